@@ -77,6 +77,11 @@ def as_read(jaw, belief, pose, scratch):
     scratch.trend[:] = belief.trend
 
 
+@njit
+def without_inertia(jaw, belief, pose, dt, scratch):
+    """In place of ``set_inertia_column``."""
+
+
 class Biting:
     """Motors that press the jaw forwards onto its teeth by a constant command."""
 
@@ -126,6 +131,7 @@ ROWS = (
     Variant("teeth as believed alone, and not as read", {"readings.teeth.COARSEST": 0.0}),
     Variant("nothing wrong at a pose", {"settings.LASTING": 0.0}),
     Variant("the gain's column as the cell reads", {"updates.time_update.set_balanced_trend": as_read}),
+    Variant("the gain error without inertia", {"updates.time_update.set_inertia_column": without_inertia}),
     Variant("the point follows the belief", {"learn.conclude": learn}),
     Variant("motors of 50 N/s", device={"slew_N_s": 50.0}),
     Variant("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),

@@ -6,7 +6,7 @@ import newton_euler as twin
 import numpy as np
 import two_condyles
 
-from jawenv.filter.belief.state import begin_belief, begin_motion
+from jawenv.filter.belief.state import begin_belief, begin_motion, shared_columns
 from jawenv.filter.model.encoders import expect
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.lasting import add_lasting_noise
@@ -38,7 +38,7 @@ class Running:
         begin_motion(self.belief, record.start_mean.copy(), record.start_sd.copy())
         self.belief["readings"] = 0 if early else FIRST_READINGS
         self.resolved = True
-        self.columns = self.belief["nominal"].size + 1  # of the coefficients and the gain error; the rest is zero
+        self.columns = self.belief["nominal"].size + shared_columns(0)  # the rest is zero
 
     def predict(self, k):
         record = self.record
@@ -115,10 +115,10 @@ class Running:
         return self.belief["by_tension"][:, : self.columns].copy()
 
 
-def line_wrenches(jaw, basis, place, R, trend):
-    """(6, mK + 1) at the mouthpiece, body axes, of unit coefficients and of the gain error."""
+def line_wrenches(jaw, basis, place, R, *shared):
+    """(6, mK + S) at the mouthpiece, body axes, of unit coefficients, and the S ``shared`` ones behind them."""
     n, K = basis["nodes"].shape
-    wrenches = np.zeros((6, n * K + 1))
+    wrenches = np.zeros((6, n * K + len(shared)))
     for line in range(len(jaw["l_o"])):
         insertion = place + R @ jaw["insertion"][line]
         reach, muscle = jaw["origin"][line] - insertion, jaw["muscle"][line]
@@ -128,28 +128,30 @@ def line_wrenches(jaw, basis, place, R, trend):
         wrench = np.concatenate([R.T @ force, R.T @ moment])
         for k in range(K):
             wrenches[:, muscle * K + k] += np.exp(basis["nodes"][muscle, k] * strain) * wrench
-    wrenches[:, -1] = trend
+    wrenches[:, n * K :] = np.transpose(shared)
     return wrenches
 
 
-def balanced(running, before, trend):
-    """(6,) ``trend`` changed so that, half way on from the motion ``before``, nothing accelerates.
+def gain_columns(running, before, trend):
+    """Two wrenches (6,): ``trend`` changed so that a jaw at rest half way from ``before`` stays, and its acceleration's.
 
-    By a force at the mouthpiece that is tangential to the fossa, and a moment; with two condyles not at all.
+    By a force at the mouthpiece that is tangential to the fossa, and a moment; with two condyles neither.
     """
     jaw, unknown = running.record.jaw, np.zeros((5, 6))
     if jaw["condyles"] == 2:
-        return trend
+        return trend, np.zeros(6)
     pose = 0.5 * (before + running.led(before))[:5]
     tangents = np.array([[1.0, 0.0, twin.fossa(jaw, pose[0])[1]], [0.0, 1.0, 0.0]])
     unknown[:2, :3], unknown[2:, 3:] = tangents @ twin.rotation(pose), np.eye(3)
 
     def acceleration(wrench):
-        return twin.state_rate(jaw, running.belief["point"], np.concatenate([pose, before[5:]]), wrench)[5:]
+        return twin.state_rate(jaw, running.belief["point"], np.concatenate([pose, np.zeros(5)]), wrench)[5:]
 
     found = acceleration(trend)
     by_unknown = np.array([acceleration(trend + wrench) - found for wrench in unknown]).T
-    return trend - unknown.T @ np.linalg.solve(by_unknown, found)
+    early = running.belief["readings"] < FIRST_READINGS
+    rate = np.zeros(5) if early else (running.belief["predicted"] - before)[5:] / running.record.dt
+    return trend - unknown.T @ np.linalg.solve(by_unknown, found), unknown.T @ np.linalg.solve(by_unknown, rate)
 
 
 def half_way(jaw, before, after):

@@ -101,7 +101,8 @@ def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
         copy_jaw(jaw, belief.jaw)
     begin_motion(belief, motion, settings.start_sd)
     begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
-    belief.nuisance_factor[0, 0] = sqrt(settings.gain_variance)
+    for k in range(belief.nuisance_factor.shape[0] - belief.nuisances.shape[0]):
+        belief.nuisance_factor[k, k] = sqrt(settings.gain_variance)
     belief.gated = 0
 
 
@@ -160,7 +161,7 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         weight = weight if resolved else 0.0
         scratch.verdict = update_motion(jaw, belief, scratch.measured, used, weight, settings, scratch.update)
         if resolved and scratch.verdict != REFUSED and not settings.motion_only:
-            add_to_block(belief, scratch.update)
+            add_to_block(jaw, belief, scratch.update)
     if tick > 0:
         follow_friction(jaw, belief, settings, scratch.time)
     if jaw.condyles == 2 and tick < SETTLING_TICKS:

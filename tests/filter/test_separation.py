@@ -6,7 +6,7 @@ import newton_euler as twin
 import numpy as np
 import pytest
 from recorded import SWINGS, recording
-from running import Running, balanced, half_way, line_wrenches, rows_of
+from running import Running, gain_columns, half_way, line_wrenches, rows_of
 
 import jawenv
 from agents import load_agent
@@ -20,7 +20,7 @@ class Joint:
 
     def __init__(self, running):
         self.running, n = running, running.size
-        self.sd = np.append(np.full(running.columns - 1, 2.0), running.record.gain_sd)
+        self.sd = np.append(np.full(running.columns - 2, 2.0), [running.record.gain_sd] * 2)
         self.mean = np.concatenate([running.belief["motion"], np.zeros(running.columns)])  # of c: from the nominal
         self.P = np.zeros((n + running.columns,) * 2)
         self.P[:n, :n], self.P[n:, n:] = running.belief["motion_cov"], np.diag(self.sd**2)
@@ -32,7 +32,7 @@ class Joint:
         after = running.belief["motion"].copy()
         A, G = np.split(running.scratch["time"]["step"]["total"], [n], axis=1)
         middle = half_way(record.jaw, before, running.led(before))
-        lines = line_wrenches(record.jaw, running.belief["basis"], *middle, balanced(running, before, trend))
+        lines = line_wrenches(record.jaw, running.belief["basis"], *middle, *gain_columns(running, before, trend))
         F = np.eye(len(self.mean))
         F[:n, :n], F[:n, n:] = A, G @ lines
         self.P = F @ self.P @ F.T

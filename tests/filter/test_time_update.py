@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded import recording
-from running import Running, balanced, half_way, line_wrenches
+from running import Running, gain_columns, half_way, line_wrenches
 
 from jawenv.filter.updates.time_update import all_finite, predict_by_tension, predict_cov, time_scratch_dtype
 from jawenv.kernels.compiled import njit
@@ -72,7 +72,7 @@ def test_a_tick_takes_all_of_it_together(early):
     running.predict(30)
     A, G = np.split(running.scratch["time"]["step"]["total"], [running.size], axis=1)
     middle = half_way(record.jaw, before, running.led(before))
-    lines = line_wrenches(record.jaw, belief["basis"], *middle, balanced(running, before, trend))
+    lines = line_wrenches(record.jaw, belief["basis"], *middle, *gain_columns(running, before, trend))
     expected = A @ V[:, : running.columns] + G @ lines
     np.testing.assert_allclose(running.by_tension, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
     P = A @ P @ A.T + G @ np.diag(record.noise_variance[:6]) @ G.T

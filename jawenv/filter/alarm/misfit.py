@@ -5,7 +5,9 @@ the covariance I + M Cov M^T, where M is the same sum of the whitened rows by te
 the coefficients, the gain error and the nuisances. What the model lacks is rarely white: a constant force, a wrong
 lever, a disturbance with memory add up over a block, and noise does not. The statistic is chi-squared with 12 degrees
 of freedom; the misfit of the blocks is the second largest of the episode over ``ALARM``, as a single one may be of a
-stop, and what the model lacks comes again. What the belief takes in without a misfit of readings, ``drift`` sees.
+stop, and what the model lacks comes again. A slow movement hardly contradicts a wrong model in any one second, and a
+little in each. So the mean of the blocks in which the jaw is slow has a limit of its own; in fast ones the filter's own
+steps leave as much. What the belief takes in without a misfit of readings, ``drift`` sees.
 
 Ticks that the load cell's samples do not resolve (``readings.screening``) are left out.
 
@@ -20,21 +22,29 @@ from math import sqrt
 from jawenv.filter.alarm.drift import judge_drift
 from jawenv.filter.belief.state import Belief, Block, begin_block
 from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.readings.lasting import speed_of
 from jawenv.filter.updates.measurement_update import UpdateScratch, add_muscles, squared_length
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
+from jawenv.mechanics.jaw import Jaw
 
 BLOCK = 100  # ticks: a second, long beside the jaw's own motion and short beside a maneuver
 ALARM = 50.0  # chi-squared of 12 has a chance of 1e-6 to be above: linearisation takes its share
 
 
+SLOW = (0.01, 0.015)  # m/s, on average over a block, on one point and on two condyles, whose rates are read less well
+FEWEST = 8  # slow blocks, of which each counts for ``MOST`` at most, and whose mean has so many sds above its own
+MOST, MARGIN = 25.0, 1.75
+
+
 @njit
-def add_to_block(belief: Belief, scratch: UpdateScratch):
+def add_to_block(jaw: Jaw, belief: Belief, scratch: UpdateScratch):
     """Add a tick's whitened innovation and rows; judge the block where it is full."""
     block = belief.block
     for i in range(N_MEASUREMENTS):
         block.innovation[i] += scratch.whitened_innovation[i]
     block.rows += scratch.by_tension_rows
+    block.speed += speed_of(jaw, belief.motion) / (SLOW[jaw.condyles - 1] * BLOCK)
     block.ticks += 1
     if block.ticks == BLOCK:
         judge_block(belief, scratch)
@@ -62,13 +72,26 @@ def judge_block(belief: Belief, scratch: UpdateScratch):
             scratch.factor[i, j] = 1.0 if i == j else 0.0
     add_muscles(belief, scratch)
     if decompose(scratch.factor):
-        misfit = squared_length(scratch) / ALARM
+        statistic = squared_length(scratch)
+        misfit = statistic / ALARM
         block.second = max(block.second, min(block.largest, misfit))
         block.largest = max(block.largest, misfit)
+        if block.speed < 1.0:
+            add_slow(block, min(statistic, MOST))
+
+
+@njit
+def add_slow(block: Block, statistic):
+    """Judge the mean of the slow blocks with one more of them."""
+    block.slow += 1
+    block.total += statistic
+    if block.slow >= FEWEST:
+        limit = N_MEASUREMENTS + MARGIN * sqrt(2.0 * N_MEASUREMENTS / block.slow)
+        block.level = max(block.level, block.total / block.slow / limit)
 
 
 @njit
 def set_misfit(belief: Belief):
-    """Let ``misfit`` be that of the blocks, or of the drift where that is larger."""
+    """Let ``misfit`` be the largest of the blocks', of the slow ones' mean and of the drift."""
     judge_drift(belief)
-    belief.misfit = max(belief.block.second, belief.drift.largest)
+    belief.misfit = max(belief.block.second, belief.block.level, belief.drift.largest)

@@ -21,7 +21,7 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.belief.state import Belief, FilterSettings
+from jawenv.filter.belief.state import Belief, FilterSettings, shared_columns
 from jawenv.filter.model.basis import N_NODES, expand_coefficients
 from jawenv.filter.model.motion_step import padded
 from jawenv.kernels.cholesky import invert_positive, set_root
@@ -64,7 +64,7 @@ def posterior_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.void]:
     wide = padded(size + 1)
     return record_dtype(
         PosteriorScratch,
-        shared=n_nuisances + 1,
+        shared=shared_columns(n_nuisances),
         wide=wide,
         muscles=n_muscles,
         size=size,
@@ -82,18 +82,20 @@ def without_nuisances(belief: Belief, gain_variance, scratch: PosteriorScratch):
     """
     information, score, factor, shared = belief.information, belief.score, belief.nuisance_factor, scratch.shared
     first, number = scratch.known.shape[0], factor.shape[0]
+    gains = number - belief.nuisances.shape[0]
     for i in range(number):
         for j in range(i + 1):
             factor[i, j] = information[first + i, first + j]
-        factor[i, i] += 1.0 if i > 0 else (1.0 / gain_variance if gain_variance > 0.0 else 0.0)
+        factor[i, i] += 1.0 if i >= gains else (1.0 / gain_variance if gain_variance > 0.0 else 0.0)
         for j in range(first):
             shared[i, j] = information[first + i, j]
-        shared[i, first] = score[first + i] - (belief.nuisances[i - 1] if i > 0 else 0.0)
+        shared[i, first] = score[first + i] - (belief.nuisances[i - gains] if i >= gains else 0.0)
     if not gain_variance > 0.0:
-        shared[0, :] = 0.0
-        for i in range(number):
-            factor[i, 0] = 0.0
-        factor[0, 0] = 1.0
+        for k in range(gains):
+            shared[k, :] = 0.0
+            for i in range(number):
+                factor[i, k] = 0.0
+            factor[k, k] = 1.0
     if not decompose(factor):
         return False
     whiten(factor, shared)

@@ -34,8 +34,13 @@ KEPT = 7  # beliefs, each after twice as many readings as the one before
 
 
 def tension_columns(n_muscles: int, n_nuisances: int = 0) -> int:
-    """Columns of ``by_tension``: the coefficients, the gain error, other nuisances, and zeros at the end."""
-    return padded(n_muscles * N_NODES + 1 + n_nuisances)
+    """Columns of ``by_tension``: the coefficients, the shared ones, and zeros at the end."""
+    return padded(n_muscles * N_NODES + shared_columns(n_nuisances))
+
+
+def shared_columns(n_nuisances: int) -> int:
+    """Columns of no muscle: gain error and nuisances; without these what the gain error makes of inertia, by itself."""
+    return 1 + n_nuisances if n_nuisances else 2
 
 
 class Block:
@@ -44,8 +49,12 @@ class Block:
     ticks: int
     innovation: Annotated[Array, N_MEASUREMENTS]  # whitened
     rows: Annotated[Array, N_MEASUREMENTS, "columns"]  # whitened rows by tension
+    speed: float  # of the mouthpiece, over what is slow
     largest: float  # misfit of the blocks so far
     second: float
+    slow: int  # blocks in which the jaw was slow so far
+    total: float  # their statistics
+    level: float  # misfit of their mean, the largest so far
 
 
 class Drift:
@@ -113,7 +122,7 @@ def belief_dtype(
         muscles=n_muscles,
         parameters=2 * n_muscles,
         nuisances=n_nuisances,
-        shared=n_nuisances + 1,
+        shared=shared_columns(n_nuisances),
         motors=N_MOTORS if n_nuisances else 0,
         predicted=n_states,
         lines=n_lines if n_nuisances else 1,
@@ -255,7 +264,7 @@ def copy_basis(target: Basis, source: Basis):
 @njit
 def begin_block(block: Block):
     """Sums of no tick."""
-    block.ticks = 0
+    block.ticks, block.speed = 0, 0.0
     block.innovation[:] = 0.0
     block.rows[:, :] = 0.0
 
@@ -278,6 +287,7 @@ def forget_readings(belief: Belief):
     belief.friction_share[:] = 0.0
     begin_block(belief.block)
     belief.block.largest, belief.block.second = 0.0, 0.0
+    belief.block.slow, belief.block.total, belief.block.level = 0, 0.0, 0.0
     belief.waits, belief.near, belief.readings, belief.refused = 0, 0, 0, 0
     belief.drift_rates[:] = 0.0
     belief.last_measured[:] = np.nan

@@ -11,21 +11,28 @@ from jawenv.mechanics.kinematics import fossa, rotation
 
 
 @njit
-def left_over(jaw: Jaw, muscles, q, u, wrench, rate):
-    """Force on the two ways of sliding (two numbers) and moment about the contact point (body axes) left over by u'."""
-    body_to_head = rotation(q)
-    force, moment = resultant(jaw, muscles, q, u, body_to_head)
-    force = add(force, apply(body_to_head, (wrench[0], wrench[1], wrench[2])))
+def inertia(jaw: Jaw, q, u, rate, body_to_head):
+    """Force (head axes) and moment about the contact point (body axes) that the motion needs."""
     _, slope, curvature, _ = fossa(jaw, q[0])
     omega, rho = (u[2], u[3], u[4]), vector3(jaw.centre_of_mass)
     turning = (rate[2], rate[3], rate[4])
     swing = add(cross(turning, rho), cross(omega, cross(omega, rho)))
     contact = (rate[0], rate[1], slope * rate[0] + curvature * u[0] * u[0])
-    inertial = scale(jaw.mass, add(contact, apply(body_to_head, swing)))
+    force = scale(jaw.mass, add(contact, apply(body_to_head, swing)))
+    turn = add(inertia_times(jaw, turning), cross(omega, inertia_times(jaw, omega)))
+    return force, add(turn, cross(rho, apply_transposed(body_to_head, force)))
+
+
+@njit
+def left_over(jaw: Jaw, muscles, q, u, wrench, rate):
+    """Force on the two ways of sliding (two numbers) and moment about the contact point (body axes) left over by u'."""
+    body_to_head = rotation(q)
+    force, moment = resultant(jaw, muscles, q, u, body_to_head)
+    force = add(force, apply(body_to_head, (wrench[0], wrench[1], wrench[2])))
+    _, slope, _, _ = fossa(jaw, q[0])
+    inertial, inertial_turn = inertia(jaw, q, u, rate, body_to_head)
     net = subtract(force, inertial)
-    turn = body_moment(jaw, body_to_head, moment, omega, wrench)
-    turn = subtract(turn, add(inertia_times(jaw, turning), cross(omega, inertia_times(jaw, omega))))
-    turn = subtract(turn, cross(rho, apply_transposed(body_to_head, inertial)))
+    turn = subtract(body_moment(jaw, body_to_head, moment, (u[2], u[3], u[4]), wrench), inertial_turn)
     return net[0] + slope * net[2], net[1], turn
 
 
@@ -39,16 +46,28 @@ def at_mouthpiece(jaw: Jaw, q, x, y, turn):
 
 
 @njit
-def set_balanced(jaw: Jaw, muscles, at, reading, balanced):
-    """Into ``balanced`` (6) the ``reading`` (6) less what it leaves over of a motion ``at``: pose, rates, their rate.
+def set_balanced(jaw: Jaw, muscles, pose, reading, balanced):
+    """Into ``balanced`` (6) the ``reading`` (6) less what it leaves over of a jaw at rest at ``pose``.
 
     A load cell reads within milliseconds what servo, brake or stop answer to the true motion, so that even a reading of
-    ticks before is correlated with the error of the filtered motion. What a motion of the past needs is not.
+    ticks before is correlated with the error of the filtered motion. What a pose needs is not.
     """
-    pose, u, rate = at
+    rest = (0.0, 0.0, 0.0, 0.0, 0.0)
     wrench = (reading[0], reading[1], reading[2], reading[3], reading[4], reading[5])
-    x, y, turn = left_over(jaw, muscles, pose, u, wrench, rate)
+    x, y, turn = left_over(jaw, muscles, pose, rest, wrench, rest)
     pull, moment = at_mouthpiece(jaw, pose, x, y, turn)
     for i in range(3):
         balanced[i] = reading[i] - pull[i]
         balanced[3 + i] = reading[3 + i] - moment[i]
+
+
+@njit
+def set_accelerating(jaw: Jaw, pose, rate, wrench):
+    """Into ``wrench`` (6) what accelerates a jaw from rest at ``pose`` by ``rate`` (u')."""
+    body_to_head = rotation(pose)
+    force, turn = inertia(jaw, pose, (0.0, 0.0, 0.0, 0.0, 0.0), rate, body_to_head)
+    _, slope, _, _ = fossa(jaw, pose[0])
+    pull, moment = at_mouthpiece(jaw, pose, force[0] + slope * force[2], force[1], turn)
+    for i in range(3):
+        wrench[i] = pull[i]
+        wrench[3 + i] = moment[i]

@@ -29,6 +29,14 @@ def stay_of(jaw: Jaw, belief: Belief, dt):
 
 
 @njit
+def speed_of(jaw: Jaw, motion):
+    """The mouthpiece's, m/s, as turning and sliding fore-aft add up at most."""
+    slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
+    turn = abs(motion[turning]) + abs(motion[turning + 1]) + abs(motion[turning + 2])
+    return abs(motion[slide]) + jaw.mouthpiece[0] * turn
+
+
+@njit
 def carried_force(jaw: Jaw, belief: Belief):
     """What the device and gravity pull at the jaw, N."""
     trend = belief.trend
@@ -62,11 +70,7 @@ def add_lasting_noise(jaw: Jaw, belief: Belief, settings: FilterSettings, varian
     An error of so large a share of the force that is carried, alike within ``ALIKE``, is as much noise per tick as the
     ticks that the jaw takes for that way: a maneuver that stays where it is learns no more than it sees.
     """
-    motion = belief.motion
-    slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
-    turn = abs(motion[turning]) + abs(motion[turning + 1]) + abs(motion[turning + 2])
-    speed = abs(motion[slide]) + jaw.mouthpiece[0] * turn
-    ticks = min(ALIKE / (settings.dt * max(speed, SLOWEST)), MOST_TICKS)
+    ticks = min(ALIKE / (settings.dt * max(speed_of(jaw, belief.motion), SLOWEST)), MOST_TICKS)
     error = settings.lasting * carried_force(jaw, belief)
     for k in range(3):
         variance[k] += ticks * error * error

@@ -23,7 +23,7 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.belief.state import Belief, FilterSettings, lose_motion, tension_columns
+from jawenv.filter.belief.state import Belief, FilterSettings, lose_motion, shared_columns, tension_columns
 from jawenv.filter.model.basis import set_derivatives
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.nuisances.changes import NuisanceScratch, add_nuisance_readings, nuisance_scratch_dtype
@@ -66,7 +66,7 @@ def update_scratch_dtype(n_muscles: int, n_lines: int, n_motion: int, n_nuisance
     return record_dtype(
         UpdateScratch,
         nuisances=nuisance_scratch_dtype(n_lines, n_nuisances),
-        shared=n_nuisances + 1,
+        shared=shared_columns(n_nuisances),
         motion=n_motion,
         columns=columns,
         parameters=parameters,

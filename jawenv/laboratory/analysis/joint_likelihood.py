@@ -17,6 +17,7 @@ from jawenv.envs.simulation import Simulation
 from jawenv.envs.world.own_anatomy import own_values
 from jawenv.errors import InputError
 from jawenv.filter.belief.posterior import set_omega
+from jawenv.filter.belief.state import shared_columns
 from jawenv.filter.model.basis import N_NODES, expand_coefficients
 
 Array = NDArray[np.float64]
@@ -111,13 +112,15 @@ def _linearised(belief: Any, own: Array, gain_variance: float) -> tuple[Array, A
     sizes, axes = np.linalg.eigh(omega)
     session = np.flatnonzero(~own.any(axis=1))
     parameters, count = len(mean), len(mean) + own.shape[1]
-    derivative = np.zeros((size + 1 + len(own), count + bends + 1 + len(session)))
+    gains = shared_columns(len(own)) - len(own)
+    derivative = np.zeros((size + gains + len(own), count + bends + gains + len(session)))
     derivative[:size, :parameters] = np.delete(bent, np.s_[2::3], axis=1)
     derivative[:size, count : count + bends] = bent @ axes * np.sqrt(np.maximum(sizes, 0.0))
-    derivative[size, count + bends] = np.sqrt(gain_variance)
-    derivative[size + 1 :, parameters:count] = own
-    derivative[size + 1 + session, count + bends + 1 + np.arange(len(session))] = 1.0
+    for k in range(gains):
+        derivative[size + k, count + bends + k] = np.sqrt(gain_variance)
+    derivative[size + gains :, parameters:count] = own
+    derivative[size + gains + session, count + bends + gains + np.arange(len(session))] = 1.0
     at_zero = np.zeros(len(derivative))
     at_zero[:size] = (coefficients - belief["nominal"]).ravel() - derivative[:size, :parameters] @ mean
-    at_zero[size + 1 :] = -belief["nuisances"]
+    at_zero[size + gains :] = -belief["nuisances"]
     return derivative, at_zero, count
