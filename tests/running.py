@@ -133,7 +133,7 @@ def line_wrenches(jaw, basis, place, R, *shared):
 
 
 def gain_columns(running, before, trend):
-    """Two wrenches (6,): ``trend`` changed so that a jaw at rest half way from ``before`` stays, and its acceleration's.
+    """Two wrenches (6,): ``trend`` changed so that a jaw at rest half way from ``before`` stays; of its acceleration.
 
     By a force at the mouthpiece that is tangential to the fossa, and a moment; with two condyles neither.
     """

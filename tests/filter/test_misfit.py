@@ -6,7 +6,7 @@ from recorded import recording
 from running import Running
 from scipy.stats import chi2
 
-from jawenv.filter.alarm.misfit import ALARM, BLOCK, add_to_block, move_block, set_misfit
+from jawenv.filter.alarm.misfit import ALARM, BLOCK, FEWEST, MARGIN, MOST, add_to_block, move_block, set_misfit
 from jawenv.filter.belief.state import begin_block
 
 
@@ -27,7 +27,7 @@ def feed(running, innovations):
     update["by_tension_rows"][:] = 0.0
     for innovation in innovations:
         update["whitened_innovation"][:] = innovation
-        add_to_block(running.belief, update)
+        add_to_block(running.record.jaw, running.belief, update)
     return ALARM * float(running.belief["block"]["largest"])
 
 
@@ -60,6 +60,21 @@ def test_one_block_may_be_of_a_stop_and_two_ring(running):
     assert running.belief["misfit"] == pytest.approx(12 * BLOCK / ALARM)
 
 
+@pytest.mark.parametrize("rate", [0.0, 1.0], ids=["slow", "fast"])
+def test_a_little_in_each_second_rings_where_the_jaw_is_slow(running, rate):
+    running.belief["motion"][5:] = rate
+    running.belief["block"]["slow"], running.belief["block"]["total"], running.belief["block"]["level"] = 0, 0.0, 0.0
+    row = np.full((BLOCK, 12), np.sqrt(16.0 / 12 / BLOCK))
+    for blocks in range(1, FEWEST + 1):
+        assert running.belief["block"]["level"] == 0.0
+        feed(running, row if blocks > 1 else 10.0 * row)
+    set_misfit(running.belief)
+    mean = (MOST + (FEWEST - 1) * 16.0) / FEWEST
+    expected = mean / (12 + MARGIN * np.sqrt(24.0 / FEWEST)) if rate == 0.0 else 0.0
+    assert running.belief["block"]["level"] == pytest.approx(expected)
+    assert (running.belief["misfit"] > 1.0) == (rate == 0.0)
+
+
 def test_half_a_block_is_not_judged(running):
     assert feed(running, np.full((BLOCK - 1, 12), 5.0)) == 0.0
 
@@ -71,7 +86,7 @@ def test_the_sum_is_kept_at_the_present_mean(running, rng):
     for _ in range(BLOCK - 1):
         update["by_tension_rows"][:] = rng.normal(size=update["by_tension_rows"].shape)
         update["whitened_innovation"][:] = update["by_tension_rows"] @ steps
-        add_to_block(running.belief, update)
+        add_to_block(running.record.jaw, running.belief, update)
     assert np.abs(block["innovation"]).max() > 1.0
     move_block(block, steps)
     np.testing.assert_allclose(block["innovation"], 0.0, atol=1e-9)
@@ -88,5 +103,5 @@ def test_what_is_not_known_of_the_muscles_is_no_misfit(running):
             rows[5, :30] = 1.0
             each.scratch["update"]["whitened_innovation"][:] = 0.0
             each.scratch["update"]["whitened_innovation"][5] = 1.0
-            add_to_block(each.belief, each.scratch["update"])
+            add_to_block(each.record.jaw, each.belief, each.scratch["update"])
     assert known.belief["block"]["largest"] > 5.0 * unknown.belief["block"]["largest"] > 0.0

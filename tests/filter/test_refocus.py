@@ -27,7 +27,7 @@ def likelihood(running, theta):
     for parameters in theta:
         c = np.empty(belief["nominal"].shape)
         set_coefficients(belief["basis"], parameters, c)
-        away = np.append((c - belief["nominal"]).ravel(), 0.01)
+        away = np.append((c - belief["nominal"]).ravel(), [0.01, 0.01])
         values.append(running.score @ away - 0.5 * away @ running.information @ away)
         motions.append(running.by_tension @ away)
     return np.array(values), np.array(motions)

@@ -139,8 +139,9 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     wrong = other.belief["motion"] - moved.belief["motion"]
     assert np.abs(wrong / sd).max() < 0.05 * np.abs(difference / sd).max()
     np.testing.assert_array_equal(moved.belief["nominal"], other.belief["nominal"])
-    scale = np.sqrt(np.diag(stayed.information))
-    change, wrong = (other.score - stayed.score) / scale, (other.score - moved.score) / scale
+    told = np.diag(stayed.information) > 0.0
+    scale = np.sqrt(np.diag(stayed.information)[told])
+    change, wrong = ((other.score - each.score)[told] / scale for each in (stayed, moved))
     assert np.abs(wrong).max() < (0.1 if model == "jaw" else 0.2) * np.abs(change).max()
 
 
@@ -149,5 +150,5 @@ def test_without_gain_error_its_column_stays_apart():
     record = recording().records[0]
     sure, unsure = (Running(replace(record, gain_sd=sd)).run(60) for sd in (0.0, 0.1))
     np.testing.assert_array_equal(sure.information, unsure.information)
-    assert np.abs(sure.information[-1]).max() > 0.0
+    assert np.abs(sure.information[-2]).max() > 0.0
     assert twin.measurement(record.jaw, sure.belief["motion"]) == pytest.approx(sure.expected(), abs=1e-12)
