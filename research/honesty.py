@@ -1,15 +1,14 @@
 """How honest the filter is where ``eval calibrate`` does not look: one table in Markdown, chosen by its name.
 
-    python -m research.honesty still --knowledge imaged --patients 64 --seed 20000
+    python -m research.honesty corners --patients 64 --seed 20000
     python -m research.honesty all > docs/tables/honesty.md
 
-still: a servo holds the jaw at 40 % of its opening for two minutes. corners: motors held at each of the 16 corners of
-their range. memory: a disturbance with memory, told rightly and wrongly. creep: tissue that creeps, which the filter is
-not told. groups: each group of what is known within sds alone, and what it costs. bias: the largest mean z of all
-parameters, six cohorts, three controls. alarm: what rings, of honest episodes and of those that are not. change: how
-much the muscles have changed between two treatments. effects: how wrong belief and change are under each effect that
-the filter is not told. jaws: a true jaw that MuJoCo moves, beside the filter's own. all:
-each of these under its title, on as many patients as ``ALL`` says. A row is printed as soon as it is there.
+bias: the largest mean z of all parameters, seven cohorts, three controls. corners: motors held at each of the 16
+corners of their range. memory: a disturbance with memory, told rightly and wrongly. alarm: what rings, of calibrated
+episodes and of others. change: how much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo
+moves, beside the filter's own. effects: how wrong belief and change are under each effect that the filter is not told.
+all: those of the page, each under its title, on as many patients as ``ALL`` says. A row is printed as soon as it is
+there.
 """
 
 import argparse
@@ -31,20 +30,9 @@ from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS
 
 MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
-LOT = 50  # patients that are played together
+LOT, SECONDS = 50, 30.0  # patients that are played together; length of an episode
 LOST = 10.0  # NEES over the number of parameters
 RICH, SWINGS, PLAIN = "refined", "opening_with_swings_and_fore_aft", "slow_opening"
-GROUPS = (
-    "attachments",
-    "fossa",
-    "mass",
-    "centre_of_mass",
-    "head_tilt",
-    "mouthpiece_mm",
-    "mouthpiece_deg",
-    "cell_offset",
-    "damping",
-)
 POLICY_LIKE = ("random", "ou_strong")
 UNTOLD = (
     {"fossa_error": 0.1},
@@ -69,17 +57,15 @@ UNTOLD = (
 
 
 class Held:
-    """Constant actions: one for all, or of each world another corner of the range."""
+    """Constant actions, of each world another corner of the range."""
 
-    def __init__(self, control, action=None):
-        self.name, self.control, self.action, self.first = "held", control, action, 0
+    def __init__(self, control):
+        self.name, self.control, self.first = "held", control, 0
 
     def reset(self, num_envs, seed=None):
         self.first = seed or 0
 
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
-        if self.action is not None:
-            return np.tile(self.action, (len(observation), 1)), None
         corners = self.first + np.arange(len(observation))
         return 1.0 - 2.0 * (corners[:, None] >> np.arange(4) & 1), None
 
@@ -90,8 +76,6 @@ class BeliefSample(NamedTuple):
     nees: np.ndarray  # over the number of parameters
     z: np.ndarray  # (N, P)
     sd: np.ndarray
-    claimed: np.ndarray
-    true: np.ndarray
     rings: np.ndarray
 
     def figures(self):
@@ -108,28 +92,22 @@ class BeliefSample(NamedTuple):
         return f"{100.0 * self.rings.mean():.1f}"
 
 
-def beliefs(agent, times, arguments, **kwargs):
-    """A sample of beliefs at each of the times (s)."""
-    kwargs = {"track_bound": False, "episode_s": times[-1], "knowledge": arguments.knowledge} | kwargs
+def beliefs(agent, arguments, **kwargs):
+    """A sample of beliefs at the end of episodes of 30 s."""
+    kwargs = {"track_bound": False, "episode_s": SECONDS, "knowledge": arguments.knowledge} | kwargs
     lots = []
     for first in range(0, arguments.patients, LOT):
         number = min(LOT, arguments.patients - first)
-        lots.append(jawenv.play(agent, patients=number, seed=arguments.seed + first, env_kwargs=kwargs))
-    return [_together([_at(played, time) for played in lots]) for time in times]
+        lots.append(_last(jawenv.play(agent, patients=number, seed=arguments.seed + first, env_kwargs=kwargs)))
+    return BeliefSample(*(np.concatenate(parts) for parts in zip(*lots, strict=True)))
 
 
-def _at(played, time):
-    step = min(int(np.searchsorted(played.time, time - 1e-6)), len(played.time) - 1)
-    reached = played.valid[:, step] & (played.time[step] > time - 1e-6)
-    error, cov = played.belief_mean[:, step] - played.truth, played.belief_cov[:, step]
+def _last(played):
+    reached = played.valid[:, -1]
+    error, cov = (played.belief_mean[:, -1] - played.truth)[reached], played.belief_cov[reached, -1]
     sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2))
     nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(cov), error) / error.shape[1]
-    claimed, true = played.information_claimed[:, step], played.information_true[:, step]
-    return [values[reached] for values in (nees, error / sd, sd, claimed, true, played.misfit[:, step] > 1.0)]
-
-
-def _together(lots):
-    return BeliefSample(*(np.concatenate(parts) for parts in zip(*lots, strict=True)))
+    return nees, error / sd, sd, played.misfit[reached, -1] > 1.0
 
 
 def row(*cells):
@@ -141,18 +119,10 @@ def head(*cells):
     print("|---|" + (len(cells) - 1) * "--:|", flush=True)
 
 
-def still(arguments):
-    head("s", "NEES/12", "inside 2 sd, %", "beyond 10", "claimed − true, nats", "rings, %")
-    times, agent = (30.0, 60.0, 120.0), Held("targets", [-0.2, 0.0, 0.0, 0.0])
-    for time, sample in zip(times, beliefs(agent, times, arguments, control="targets"), strict=True):
-        gap = words.with_interval(statistics.mean(sample.claimed - sample.true), 1)
-        row(f"{time:g}", sample.figures(), gap, sample.ringing())
-
-
 def corners(arguments):
     head("control", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest", "rings, %")
     for control in CONTROLS:
-        (sample,) = beliefs(Held(control), (30.0,), arguments, control=control)
+        sample = beliefs(Held(control), arguments, control=control)
         row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
 
 
@@ -160,51 +130,15 @@ def memory(arguments):
     head("agent", "true time, s", "told, s", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "rings, %")
     for name, time, factor in product((RICH, SWINGS, PLAIN), (0.05, 0.1, 0.5, 1.0, 2.0), (1.0, 1.0 / 3.0, 3.0)):
         kwargs = {"device": {"unmodelled_time_s": time * factor}, "reality": {"unmodelled_time_s": time}}
-        (sample,) = beliefs(load_agent(name), (30.0,), arguments, **kwargs)
+        sample = beliefs(load_agent(name), arguments, **kwargs)
         row(name, f"{time:g}", f"{time * factor:.2g}", sample.figures(), sample.ringing())
-
-
-def creep(arguments):
-    head("agent", "creep", "s", "NEES/12", "inside 2 sd, %", "beyond 10", "rings, %")
-    for name, share in product((RICH, SWINGS, PLAIN), (0.2, 0.35, 0.55)):
-        both = beliefs(load_agent(name), (10.0, 30.0), arguments, reality={"creep_share": share})
-        for time, sample in zip((10, 30), both, strict=True):
-            row(name, share, time, sample.figures(), sample.ringing())
-
-
-def groups(arguments):
-    """At the sds of ``--knowledge``; left-out groups are known a thousand times as well: two filters do for all."""
-    level = _sds(arguments.knowledge)
-    chosen = {group: {name for name in level if name.startswith(group)} for group in GROUPS} | {"all": set(level)}
-    head(
-        "agent",
-        "not known exactly",
-        "s",
-        "NEES/12",
-        "inside 2 sd, %",
-        "beyond 10",
-        "rings, %",
-        "worst / median sd",
-        "× exact",
-    )
-    for name in (RICH, SWINGS):
-        exact = beliefs(load_agent(name), (10.0, 30.0), arguments, knowledge="exact")
-        for group, unknown in chosen.items():
-            sds = {field: sd * (1.0 if field in unknown else 1e-3) for field, sd in level.items()}
-            for time, reference, sample in zip(
-                (10, 30), exact, beliefs(load_agent(name), (10.0, 30.0), arguments, knowledge=sds), strict=True
-            ):
-                cost = np.exp(np.log(sample.sd).mean() - np.log(reference.sd).mean())
-                row(
-                    name, group.replace("_", " "), time, sample.figures(), sample.ringing(), sample.sds(), f"{cost:.2f}"
-                )
 
 
 def bias(arguments):
     head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest mean z", "of")
     names = COHORTS[next(iter(COHORTS))].muscles.parameter_names
     for cohort, control, name in product(COHORTS, CONTROLS, (RICH, SWINGS, PLAIN, "random")):
-        (sample,) = beliefs(load_agent(name, control=control), (30.0,), arguments, cohort=cohort, control=control)
+        sample = beliefs(load_agent(name, control=control), arguments, cohort=cohort, control=control)
         means = statistics.means_together(sample.z)
         worst = int(np.argmax([abs(mean.value) for mean in means]))
         row(cohort, control, name, sample.figures(), words.with_interval(means[worst], 2), names[worst])
@@ -216,7 +150,7 @@ def alarm(arguments):
     for cohort, control in product(COHORTS, CONTROLS):
         for name in (RICH, SWINGS, "hold_still", *POLICY_LIKE):
             agent = load_agent(name, control=control)
-            (sample,) = beliefs(agent, (30.0,), arguments, cohort=cohort, control=control)
+            sample = beliefs(agent, arguments, cohort=cohort, control=control)
             row(cohort, control, name, sample.figures(), sample.ringing())
             total.append(sample.rings)
     rings = np.concatenate(total)
@@ -224,7 +158,7 @@ def alarm(arguments):
     head("not told", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "NEES/12 > 4", "of these ring, %")
     arguments.patients *= 2
     for reality, name in product(UNTOLD, (RICH, SWINGS, PLAIN)):
-        (sample,) = beliefs(load_agent(name), (30.0,), arguments, reality=reality)
+        sample = beliefs(load_agent(name), arguments, reality=reality)
         effects = ", ".join(f"`{field}={value:g}`" for field, value in reality.items())
         wrong = sample.nees > 4.0
         share = f"{100.0 * sample.rings[wrong].mean():.0f}" if wrong.any() else "–"
@@ -297,7 +231,7 @@ def jaws(arguments):
         "two condyles": {"knowledge": "exact", "model": "bilateral"},
     }
     for (title, kwargs), name, (jaw, plant) in product(filters.items(), (RICH, PLAIN), plants.items()):
-        (sample,) = beliefs(load_agent(name), (30.0,), arguments, **kwargs, plant=plant)
+        sample = beliefs(load_agent(name), arguments, **kwargs, plant=plant)
         row(title, name, jaw, sample.figures(), sample.sds(), sample.ringing())
 
 
@@ -305,25 +239,24 @@ def _sds(name):
     return {field: value for field, value in asdict(knowledge(name)).items() if value > 0.0}
 
 
-TABLES = {
-    table.__name__: table for table in (still, corners, memory, creep, groups, bias, alarm, change, effects, jaws)
-}
+TABLES = {table.__name__: table for table in (bias, corners, memory, alarm, change, jaws, effects)}
 ALL = {
-    "bias": ("To which side estimates lie", 40),
-    "corners": ("Motors held at the corners of their range", 64),
-    "memory": ("A disturbance that lasts, told rightly and wrongly", 32),
-    "alarm": ("What rings, and what does not", 16),
-    "jaws": ("A jaw that the filter does not know", 16),
+    "bias": ("To which side estimates lie", 200, 20_000),
+    "corners": ("Motors held at the corners of their range", 64, 20_000),
+    "memory": ("A disturbance that lasts, told rightly and wrongly", 32, 20_000),
+    "alarm": ("What rings, and what does not", 16, 20_000),
+    "jaws": ("A jaw that the filter does not know", 16, 376_000),
+    "effects": ("What the filter is not told, and the change", 16, 376_000),
 }
-"""Table -> its title and patients of a row; those of ``docs/tables/honesty.md``."""
+"""Table -> its title, patients of a row and first seed; those of ``docs/tables/honesty.md``."""
 
 
 def every(arguments):
     """``ALL``, each with its command."""
     print("# Where the error bars are right, and where the alarm rings\n")
-    for name, (title, patients) in ALL.items():
-        print(f"## {title}\n\n`python -m research.honesty {name} --patients {patients}`, seeds from 20000 on:\n")
-        arguments.patients = patients
+    for name, (title, arguments.patients, arguments.seed) in ALL.items():
+        command = f"python -m research.honesty {name} --patients {arguments.patients} --seed {arguments.seed}"
+        print(f"## {title}\n\n`{command}`:\n")
         TABLES[name](arguments)
         print(flush=True)
 

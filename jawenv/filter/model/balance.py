@@ -46,15 +46,15 @@ def at_mouthpiece(jaw: Jaw, q, x, y, turn):
 
 
 @njit
-def set_balanced(jaw: Jaw, muscles, pose, reading, balanced):
-    """Into ``balanced`` (6) the ``reading`` (6) less what it leaves over of a jaw at rest at ``pose``.
+def set_balanced(jaw: Jaw, muscles, pose, u, reading, balanced):
+    """Into ``balanced`` (6) the ``reading`` (6) less what it leaves over of a jaw at ``pose`` that does not accelerate.
 
     A load cell reads within milliseconds what servo, brake or stop answer to the true motion, so that even a reading of
-    ticks before is correlated with the error of the filtered motion. What a pose needs is not.
+    ticks before is correlated with the error of the filtered motion. What a motion of the past needs is not.
     """
     rest = (0.0, 0.0, 0.0, 0.0, 0.0)
     wrench = (reading[0], reading[1], reading[2], reading[3], reading[4], reading[5])
-    x, y, turn = left_over(jaw, muscles, pose, rest, wrench, rest)
+    x, y, turn = left_over(jaw, muscles, pose, u, wrench, rest)
     pull, moment = at_mouthpiece(jaw, pose, x, y, turn)
     for i in range(3):
         balanced[i] = reading[i] - pull[i]

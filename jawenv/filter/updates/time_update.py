@@ -126,10 +126,17 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
 
 @njit
 def set_balanced_trend(jaw: Jaw, belief: Belief, pose, scratch: TimeScratch):
-    """Into ``scratch.trend`` (6) the load cell's trend; with one reference point the one that the pose needs."""
+    """Into ``scratch.trend`` (6) the load cell's trend; with one reference point the one that the pose needs.
+
+    Where damping is unknown as well, that of the motion.
+    """
     scratch.trend[:] = belief.trend
-    if jaw.condyles == 1:
-        set_balanced(jaw, scratch.step.muscles, pose, belief.trend, scratch.trend)
+    if jaw.condyles == 2:
+        return
+    _, u = split(scratch.start_motion)
+    if belief.nuisances.shape[0] == 0:
+        u = (0.0, 0.0, 0.0, 0.0, 0.0)
+    set_balanced(jaw, scratch.step.muscles, pose, u, belief.trend, scratch.trend)
 
 
 @njit
