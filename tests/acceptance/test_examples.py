@@ -108,7 +108,7 @@ def test_importance_posterior_names_what_is_not_allowed(refusal) -> None:
 
 
 def test_own_filter() -> None:
-    done = run("examples/own_filter.py", "--patients", "2", "--seconds", "2")
+    done = run("examples/own_filter.py", "--patients", "2", "--seconds", "4")
     assert done.returncode == 0, done.stderr
     sds = np.array([[float(row.split()[k]) for k in (3, 7)] for row in done.stdout.splitlines() if "F_o" in row])
     np.testing.assert_allclose(sds[:2], sds[2:], rtol=0.5)  # of the same patients and readings, by the environment's
@@ -120,7 +120,7 @@ def test_own_filter_names_what_is_not_allowed(refusal) -> None:
 
 
 def test_own_patient() -> None:
-    done = run("examples/own_patient.py", "--patients", "2", "--seconds", "2")
+    done = run("examples/own_patient.py", "--patients", "2", "--seconds", "4")
     assert done.returncode == 0, done.stderr
     inside, own, rough = (float(line.split()[-1]) for line in done.stdout.splitlines())
     assert own == pytest.approx(inside, rel=0.3)  # of the same patients and noise

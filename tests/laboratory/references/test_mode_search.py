@@ -67,14 +67,15 @@ def test_the_density_is_that_of_the_readings_and_the_prior(record):
         if running.resolved:
             expected += multivariate_normal(cov=S, allow_singular=True).logpdf(innovation) + constant
         running.update(k)
-    score, known = running.score[-1], running.information[-1, -1]
+    gain = running.belief["nominal"].size
+    score, known = running.score[gain], running.information[gain, gain]
 
-    def log_likelihood(gain):
-        return score * gain - 0.5 * known * gain**2 + norm.logpdf(gain, scale=short.gain_sd)
+    def log_likelihood(error):
+        return score * error - 0.5 * known * error**2 + norm.logpdf(error, scale=short.gain_sd)
 
-    best = minimize_scalar(lambda gain: -log_likelihood(gain), bounds=(-1.0, 1.0), options={"xatol": 1e-10}).x
+    best = minimize_scalar(lambda error: -log_likelihood(error), bounds=(-1.0, 1.0), options={"xatol": 1e-10}).x
     top, sd = log_likelihood(best), 1.0 / np.sqrt(known + short.gain_sd**-2)
-    area, _ = quad(lambda gain: np.exp(log_likelihood(gain) - top), best - 12.0 * sd, best + 12.0 * sd, epsrel=1e-10)
+    area, _ = quad(lambda error: np.exp(log_likelihood(error) - top), best - 12.0 * sd, best + 12.0 * sd, epsrel=1e-10)
     expected += top + np.log(area) - 0.5 * np.sum((0.1 / short.prior.sd) ** 2)
     search = Search(short)
     density = search.at(parameters)
