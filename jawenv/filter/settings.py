@@ -111,7 +111,8 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
         start_sd: (n,) of the motion at the start.
     """
     settings["dt"], settings["gain_variance"] = noise.dt, noise.gain_sd**2
-    settings["lasting"], settings["unsure"] = LASTING, geometry.knowledge != Knowledge()
+    settings["lasting"] = LASTING
+    settings["unsure"] = bool(geometry.sds) and geometry.knowledge != Knowledge()
     settings["measurement_variance"] = noise.measurement_sd**2
     settings["wrench_variance"] = noise.wrench_variance
     settings["start_sd"][: len(start_sd)] = start_sd

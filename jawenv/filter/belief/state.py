@@ -31,6 +31,7 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 
 KEPT = 7  # beliefs, each after twice as many readings as the one before
+N_CELLS = 1024  # of poses, see ``readings.lasting``
 
 
 def tension_columns(n_muscles: int, n_nuisances: int = 0) -> int:
@@ -99,6 +100,7 @@ class Belief:
     refused: int  # ticks on end, up to the last one, whose readings were refused
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     near: int  # the same, after teeth
+    visits: Annotated[Array, "cells"]  # ticks spent at poses alike, see ``readings.lasting``
     drift_rates: Annotated[Array, 6]  # velocities (u), smoothed, see ``tick.stay_of``
     gated: int  # ticks whose innovation the gate rejected when they were read
     last_measured: Annotated[Array, N_MEASUREMENTS]
@@ -126,6 +128,7 @@ def belief_dtype(
         motors=N_MOTORS if n_nuisances else 0,
         predicted=n_states,
         lines=n_lines if n_nuisances else 1,
+        cells=N_CELLS if n_nuisances else 0,
     )
 
 
@@ -290,6 +293,7 @@ def forget_readings(belief: Belief):
     belief.block.slow, belief.block.total, belief.block.level = 0, 0.0, 0.0
     belief.waits, belief.near, belief.readings, belief.refused = 0, 0, 0, 0
     belief.drift_rates[:] = 0.0
+    belief.visits[:] = 0.0
     belief.last_measured[:] = np.nan
     belief.encoder_step[:] = np.inf
     belief.repeats[:] = 0.0

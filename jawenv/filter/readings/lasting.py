@@ -1,8 +1,10 @@
-"""Errors of the model that last as long as the jaw stays where it is."""
+"""Errors of the model that last as long as the jaw stays where it is, and return when it returns."""
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from math import floor, hypot, sqrt
+
+import numpy as np
 
 from jawenv.filter.belief.state import Belief, FilterSettings
 from jawenv.kernels.compiled import njit
@@ -29,6 +31,29 @@ def stay_of(jaw: Jaw, belief: Belief, dt):
 
 
 @njit
+def cell_of(jaw: Jaw, motion, n_cells):
+    """The cell of poses, ``ALIKE`` wide at the mouthpiece in each coordinate, as a number below ``n_cells``.
+
+    Poses far apart may share a number (a hash after Fowler, Noll and Vo): then what was learnt at the one makes the
+    other count for less. Any number, NaN too, has a cell.
+    """
+    turning, end = (3, 6) if jaw.condyles == 2 else (2, 5)
+    number = np.uint64(14695981039346656037)
+    for i in range(end):
+        at = motion[i] * (jaw.mouthpiece[0] if i >= turning else 1.0)
+        number = (number ^ np.uint64(np.int64(floor(at / ALIKE + 0.5)))) * np.uint64(1099511628211)
+    return np.int64((number >> np.uint64(20)) % np.uint64(n_cells))
+
+
+@njit
+def count_ticks(jaw: Jaw, belief: Belief, dt):
+    """Ticks that the jaw takes for this visit to its pose, or has been there in all, whichever is more; counts this."""
+    cell = cell_of(jaw, belief.motion, belief.visits.shape[0])
+    belief.visits[cell] += 1.0
+    return max(stay_of(jaw, belief, dt), belief.visits[cell])
+
+
+@njit
 def speed_of(jaw: Jaw, motion):
     """The mouthpiece's, m/s, as turning and sliding fore-aft add up at most."""
     slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
@@ -49,8 +74,9 @@ def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
 
     What these leave wrong in the model is so large a share of the force that is carried, and alike within ``ALIKE``. n
     ticks there with white noise of variance r tell n / (r + n s) of the force, with s the error's variance, in place of
-    n / r. So each counts for r / (r + n s): a jaw that stays where it is learns no more than 1 / s. As more noise of
-    the motion it would make the motion follow the encoders' noise, which biases what is learnt.
+    n / r. So each counts for r / (r + n s): a jaw that stays where it is learns no more than 1 / s. One that comes back
+    finds the same error, so n counts all its visits. As more noise of the motion it would make the motion follow the
+    encoders' noise, which biases what is learnt.
     """
     if not settings.unsure:
         return 1.0
@@ -60,7 +86,7 @@ def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
         if settings.disturbance_variance.shape[0] > 0:
             noise += settings.disturbance_variance[k] / (1.0 - settings.disturbance_decay**2) / 3.0
     error = settings.lasting * carried_force(jaw, belief)
-    return noise / (noise + stay_of(jaw, belief, settings.dt) * error * error)
+    return noise / (noise + count_ticks(jaw, belief, settings.dt) * error * error)
 
 
 @njit
