@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 LASTING = 2e-3
 """Share of the force that is carried which the filter may have wrong at a pose (G): its own errors of second order."""
 
+KNOWN_LASTING = 6e-4
+"""The same beside a disturbance with memory where the anatomy is known, as readings count for less by it (G)."""
+
 
 class Geometry(NamedTuple):
     """A patient as the filter knows him.
@@ -112,7 +115,10 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
     """
     settings["dt"], settings["gain_variance"] = noise.dt, noise.gain_sd**2
     settings["lasting"] = LASTING
-    settings["unsure"] = bool(geometry.sds) and geometry.knowledge != Knowledge()
+    if geometry.sds and geometry.knowledge != Knowledge():
+        settings["doubt"] = LASTING
+    elif noise.disturbance_time_s > 0.0:
+        settings["doubt"] = KNOWN_LASTING
     settings["measurement_variance"] = noise.measurement_sd**2
     settings["wrench_variance"] = noise.wrench_variance
     settings["start_sd"][: len(start_sd)] = start_sd

@@ -128,7 +128,7 @@ def belief_dtype(
         motors=N_MOTORS if n_nuisances else 0,
         predicted=n_states,
         lines=n_lines if n_nuisances else 1,
-        cells=N_CELLS if n_nuisances else 0,
+        cells=N_CELLS if n_nuisances or n_disturbance else 0,
     )
 
 
@@ -180,8 +180,8 @@ class FilterSettings:
     used: Annotated[NDArray[np.uint8], N_MEASUREMENTS]
     measurement_variance: Annotated[Array, N_MEASUREMENTS]
     wrench_variance: Annotated[Array, N_WRENCH]  # of the wrench not known
-    lasting: float  # share of the force that the model may have wrong at a pose
-    unsure: bool  # whether the anatomy is known only within sds
+    lasting: float  # share of the force that the model may have wrong at a pose, as noise of the motion
+    doubt: float  # the same, by which what is read again counts for less
     gain_variance: float
     cell_repeats: Annotated[NDArray[np.uint8], N_WRENCH]  # whether a component of the load cell has no noise
     rough: Annotated[Array, 3]  # see ``screening.rough_change``

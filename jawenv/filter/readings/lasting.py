@@ -70,22 +70,22 @@ def carried_force(jaw: Jaw, belief: Belief):
 
 @njit
 def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
-    """What a tick's readings count for as information, where the anatomy is known only within sds.
+    """What a tick's readings count for as information, where the anatomy is known within sds or a disturbance lasts.
 
-    What these leave wrong in the model is so large a share of the force that is carried, and alike within ``ALIKE``. n
-    ticks there with white noise of variance r tell n / (r + n s) of the force, with s the error's variance, in place of
-    n / r. So each counts for r / (r + n s): a jaw that stays where it is learns no more than 1 / s. One that comes back
+    What is wrong in the model is so large a share of the force that is carried, and alike within ``ALIKE``. n ticks
+    there with white noise of variance r tell n / (r + n s) of the force, with s the error's variance, in place of n /
+    r. So each counts for r / (r + n s): a jaw that stays where it is learns no more than 1 / s. One that comes back
     finds the same error, so n counts all its visits. As more noise of the motion it would make the motion follow the
     encoders' noise, which biases what is learnt.
     """
-    if not settings.unsure:
+    if settings.doubt == 0.0:
         return 1.0
     noise = 0.0
     for k in range(3):
         noise += settings.wrench_variance[k] / 3.0
         if settings.disturbance_variance.shape[0] > 0:
             noise += settings.disturbance_variance[k] / (1.0 - settings.disturbance_decay**2) / 3.0
-    error = settings.lasting * carried_force(jaw, belief)
+    error = settings.doubt * carried_force(jaw, belief)
     return noise / (noise + count_ticks(jaw, belief, settings.dt) * error * error)
 
 
