@@ -2,10 +2,12 @@
 
 Each row leaves one of them out, and is run by a process of its own that compiles the filter so. A cell is the mean
 NEES over the number of parameters, with its 95 % interval over patients, and the largest of a patient. Prints a table
-in Markdown; takes about a minute for each row. With --condyles 2 of what is there for a jaw on two discs:
+in Markdown; takes some minutes for each row. Two tables more are of what is there for a jaw on two discs, and of what
+lasts: errors of the model at a pose, with a scan's anatomy or beside a disturbance with memory.
 
     python -m research.ablation --patients 64 --seed 6000
-    python -m research.ablation --patients 64 --seed 6000 --condyles 2
+    python -m research.ablation --patients 64 --seed 6000 --table discs
+    python -m research.ablation --patients 24 --seed 6000 --table lasting
 """
 
 import argparse
@@ -24,6 +26,7 @@ from jawenv.controls import Control
 from jawenv.envs.world.plants import TICK
 from jawenv.filter.learn import learn
 from jawenv.filter.model.motion_step import move
+from jawenv.filter.readings.lasting import stay_of
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.kinematics import angle_rates, contact_point
 
@@ -46,6 +49,19 @@ class Scenario(NamedTuple):
     control: Control
     cohort: str = "trismus"
     env_id: str = "jawenv/Jaw-v3"
+    seconds: float = 30.0
+    device: dict[str, float] = {}
+
+    def __str__(self) -> str:
+        return ", ".join(
+            [
+                f"`{self.agent}`",
+                self.control,
+                self.cohort,
+                *([f"{self.seconds:.0f} s"] if self.seconds != 30.0 else []),
+                *(f"{name}={value}" for name, value in self.device.items()),
+            ]
+        )
 
 
 @njit
@@ -80,6 +96,18 @@ def as_read(jaw, belief, pose, scratch):
 @njit
 def without_inertia(jaw, belief, pose, dt, scratch):
     """In place of ``set_inertia_column``."""
+
+
+@njit
+def whole(jaw, belief, settings):
+    """In place of ``weight_of_stay``: every reading counts whole."""
+    return 1.0
+
+
+@njit
+def ticks_of_a_visit(jaw, belief, dt):
+    """In place of ``count_ticks``: earlier visits are forgotten."""
+    return stay_of(jaw, belief, dt)
 
 
 class Biting:
@@ -167,11 +195,25 @@ BODY_CELLS = (
     Scenario("slow_opening", "targets", env_id=BODY),
     Scenario("refined", "targets", env_id=BODY),
 )
-TABLES = {1: (ROWS, CELLS), 2: (BODY_ROWS, BODY_CELLS)}
+LASTING_ROWS = (
+    Variant("the filter as it is"),
+    Variant("each visit of a pose by itself", {"readings.lasting.count_ticks": ticks_of_a_visit}),
+    Variant("every reading counts whole", {"tick.weight_of_stay": whole}),
+)
+SCAN, HALF, WHOLE = "jawenv/JawImaged-v3", {"unmodelled_time_s": 0.5}, {"unmodelled_time_s": 1.0}
+LASTING_CELLS = (
+    Scenario("examples/one_channel.yaml", "targets", env_id=SCAN, seconds=60.0),
+    Scenario("slow_opening", "targets", env_id=SCAN, seconds=120.0),
+    Scenario("refined", "targets", env_id=SCAN),
+    Scenario("slow_opening", "targets", "severe", device=WHOLE),
+    Scenario("open_and_hold", "targets", seconds=120.0, device=HALF),
+    Scenario("refined", "targets", device=HALF),
+)
+TABLES = {"point": (ROWS, CELLS), "discs": (BODY_ROWS, BODY_CELLS), "lasting": (LASTING_ROWS, LASTING_CELLS)}
 
 
 def measure(row: Variant, cells: tuple[Scenario, ...], patients: int, seed: int) -> list[list[float]]:
-    """NEES over the number of parameters of every patient after 30 s, for each cell."""
+    """NEES over the number of parameters of every patient at the end, for each cell."""
     for constant, value in row.constants.items():
         module, _, name = constant.rpartition(".")
         target = importlib.import_module(FILTER + module)
@@ -183,13 +225,14 @@ def measure(row: Variant, cells: tuple[Scenario, ...], patients: int, seed: int)
 
     by_cell = []
     for cell in cells:
-        kwargs: dict[str, Any] = {"control": cell.control, "cohort": cell.cohort, "device": row.device}
+        kwargs: dict[str, Any] = {"control": cell.control, "cohort": cell.cohort, "device": row.device | cell.device}
+        kwargs |= {"episode_s": cell.seconds, "track_bound": False}
         agent = HELD[cell.agent]() if cell.agent in HELD else load_agent(cell.agent, control=cell.control)
         played = jawenv.play(agent, patients=patients, seed=seed, env_id=cell.env_id, env_kwargs=kwargs)
         error = played.at_end(played.belief_mean) - played.truth
         nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(played.at_end(played.belief_cov)), error)
         by_cell.append((nees / error.shape[1]).tolist())
-        print(f"  {cell.agent}, {cell.control}, {cell.cohort}: done", file=sys.stderr, flush=True)
+        print(f"  {cell}: done", file=sys.stderr, flush=True)
     return by_cell
 
 
@@ -203,15 +246,15 @@ def main() -> None:
     parser.add_argument("--patients", type=int, default=64)
     parser.add_argument("--seed", type=int, default=6000, help="of the first patient; tuning's are 5000 to 19999")
     parser.add_argument("--only", type=int, nargs="+", help="numbers of the rows to make, from 0")
-    parser.add_argument("--condyles", type=int, choices=TABLES, default=1)
+    parser.add_argument("--table", choices=TABLES, default="point")
     parser.add_argument("--row", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
-    table, cells = TABLES[arguments.condyles]
+    table, cells = TABLES[arguments.table]
     if arguments.row is not None:
         print(json.dumps(measure(table[arguments.row], cells, arguments.patients, arguments.seed)))
         return
     rows = list(enumerate(table)) if arguments.only is None else [(number, table[number]) for number in arguments.only]
-    print("| left out |" + "".join(f" `{c.agent}`, {c.control}, {c.cohort} |" for c in cells))
+    print("| left out |" + "".join(f" {cell} |" for cell in cells))
     print("|---|" + len(cells) * "--:|", flush=True)
     for number, row in rows:
         print(f"{row.what} ({number + 1} of {len(table)})", file=sys.stderr, flush=True)
