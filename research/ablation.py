@@ -31,6 +31,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.mechanics.kinematics import angle_rates, contact_point
 
 FILTER = "jawenv.filter."
+SCAN = "jawenv/JawImaged-v3"
 STIFF_SERVO = {"servo_stiffness_N_m": 2500.0, "servo_damping_N_s_m": 15.0}
 
 
@@ -56,6 +57,7 @@ class Scenario(NamedTuple):
         return ", ".join(
             [
                 f"`{self.agent}`",
+                *([self.env_id.removeprefix("jawenv/")] if self.env_id == SCAN else []),
                 self.control,
                 self.cohort,
                 *([f"{self.seconds:.0f} s"] if self.seconds != 30.0 else []),
@@ -200,7 +202,7 @@ LASTING_ROWS = (
     Variant("each visit of a pose by itself", {"readings.lasting.count_ticks": ticks_of_a_visit}),
     Variant("every reading counts whole", {"tick.weight_of_stay": whole}),
 )
-SCAN, HALF, WHOLE = "jawenv/JawImaged-v3", {"unmodelled_time_s": 0.5}, {"unmodelled_time_s": 1.0}
+HALF, WHOLE = {"unmodelled_time_s": 0.5}, {"unmodelled_time_s": 1.0}
 LASTING_CELLS = (
     Scenario("examples/one_channel.yaml", "targets", env_id=SCAN, seconds=60.0),
     Scenario("slow_opening", "targets", env_id=SCAN, seconds=120.0),

@@ -87,7 +87,7 @@ def records(arguments: argparse.Namespace) -> tuple[list[Any], Any]:
 
 
 def measure(arguments: argparse.Namespace, at_truth: bool) -> list[list[float]]:
-    """NEES over the number of parameters, RMSE of the logs, and -log det of the covariance over 2, of every patient."""
+    """NEES over the number of parameters, RMSE of the logs, -log det of the covariance over 2, and each z, by patient."""
     if at_truth:
         for module, name, kernel in STAYING:
             setattr(module, name, kernel)
@@ -102,7 +102,8 @@ def measure(arguments: argparse.Namespace, at_truth: bool) -> list[list[float]]:
             belief = online.update(measured, record.samples[k - 1] if k > 0 else None)
         error = belief.log_mean - theta
         nees = error @ np.linalg.solve(belief.log_cov, error) / error.size
-        rows.append([nees, np.sqrt(np.mean(error**2)), -0.5 * np.linalg.slogdet(belief.log_cov)[1]])
+        z = error / np.sqrt(np.diag(belief.log_cov))
+        rows.append([nees, np.sqrt(np.mean(error**2)), -0.5 * np.linalg.slogdet(belief.log_cov)[1], *z])
     return rows
 
 
@@ -120,7 +121,8 @@ def main() -> None:
         print(json.dumps(measure(arguments, arguments.row == 1)))
         return
     print(
-        "| linearised at | NEES/p | largest | error, % | claimed nats, less the first row's |\n|---|--:|--:|--:|--:|",
+        "| linearised at | NEES/p | largest | error, % | claimed nats, less the first row's | largest mean z |\n"
+        "|---|--:|--:|--:|--:|--:|",
         flush=True,
     )
     first = None
@@ -134,8 +136,10 @@ def main() -> None:
         mean = values.mean(axis=0)
         error = 100.0 * np.sqrt(np.mean(values[:, 1] ** 2))
         first = mean[2] if first is None else first
+        bias = np.abs(mean[3:]).max()
         print(
-            f"| {name} | {mean[0]:.2f} | {values[:, 0].max():.1f} | {error:.1f} | {mean[2] - first:.1f} |", flush=True
+            f"| {name} | {mean[0]:.2f} | {values[:, 0].max():.1f} | {error:.1f} | {mean[2] - first:.1f} | {bias:.2f} |",
+            flush=True,
         )
 
 
