@@ -87,7 +87,7 @@ def records(arguments: argparse.Namespace) -> tuple[list[Any], Any]:
 
 
 def measure(arguments: argparse.Namespace, at_truth: bool) -> list[list[float]]:
-    """NEES over the number of parameters, RMSE of the logs, -log det of the covariance over 2, and each z, by patient."""
+    """NEES over the number of parameters, RMSE of the logs, -log det of the covariance over 2, z, of every patient."""
     if at_truth:
         for module, name, kernel in STAYING:
             setattr(module, name, kernel)

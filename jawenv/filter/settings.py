@@ -25,7 +25,7 @@ LASTING = 2e-3
 """Share of the force that is carried which the filter may have wrong at a pose (G): its own errors of second order."""
 
 KNOWN_LASTING = 6e-4
-"""The same beside a disturbance with memory where the anatomy is known, as readings count for less by it (G)."""
+"""The same with a known anatomy beside a disturbance with memory, or without a load cell: as readings count for less."""
 
 
 class Geometry(NamedTuple):
@@ -117,7 +117,7 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
     settings["lasting"] = LASTING
     if geometry.sds and geometry.knowledge != Knowledge():
         settings["doubt"] = LASTING
-    elif noise.disturbance_time_s > 0.0:
+    elif geometry.sds or noise.disturbance_time_s > 0.0:
         settings["doubt"] = KNOWN_LASTING
     settings["measurement_variance"] = noise.measurement_sd**2
     settings["wrench_variance"] = noise.wrench_variance

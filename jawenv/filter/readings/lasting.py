@@ -70,7 +70,7 @@ def carried_force(jaw: Jaw, belief: Belief):
 
 @njit
 def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
-    """What a tick's readings count for as information, where the anatomy is known within sds or a disturbance lasts.
+    """What a tick's readings count for as information, if anything but muscles is unknown or a disturbance lasts.
 
     What is wrong in the model is so large a share of the force that is carried, and alike within ``ALIKE``. n ticks
     there with white noise of variance r tell n / (r + n s) of the force, with s the error's variance, in place of n /
