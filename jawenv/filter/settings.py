@@ -25,7 +25,7 @@ LASTING = 2e-3
 """Share of the force that is carried which the filter may have wrong at a pose (G): its own errors of second order."""
 
 KNOWN_LASTING = 6e-4
-"""The same with a known anatomy beside a disturbance with memory, or without a load cell: as readings count for less."""
+"""The same with a known anatomy beside a disturbance with memory, or without a load cell: readings count for less."""
 
 
 class Geometry(NamedTuple):
