@@ -89,7 +89,7 @@ class Belief:
         jaw = self._patients.jaw
         carried = norm(held.device[:, :3]) + norm(jaw.weight)
         rows = self._rows(held, readings, self._lasting(held, carried))
-        if self._twin.unsure:
+        if self._twin.doubt > 0.0:
             rows = rows * self._weight_of_stay(held, carried).sqrt()[:, None, None]
         self._readings = self._readings + readings
         seen = rows @ self._truth[..., None]
@@ -148,11 +148,11 @@ class Belief:
         return variance
 
     def _weight_of_stay(self, held: Held, carried: Tensor) -> Tensor:
-        """(P,) what readings count for, as ``jawenv.filter.readings.lasting.weight_of_stay`` has it."""
+        """(P,) what readings count for, as ``weight_of_stay`` of the filter has it, but for earlier visits."""
         twin = self._twin
         self._drift = self._drift + (1.0 - exp(-twin.dt / DRIFT_S)) * (held.speeds - self._drift)
         moved = norm(self._drift[:, :2]) + self._patients.jaw.mouthpiece[..., 0] * norm(self._drift[:, 2:])
         stay = ALIKE / (TICK * moved.clamp(min=SLOWEST_DRIFT))
         noise = (twin.wrench_variance + twin.disturbance_variance)[:3].mean()
-        weight: Tensor = noise / (noise + stay * (twin.lasting * carried).square())
+        weight: Tensor = noise / (noise + stay * (twin.doubt * carried).square())
         return weight
