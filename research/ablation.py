@@ -107,9 +107,9 @@ def whole(jaw, belief, settings):
 
 
 @njit
-def ticks_of_a_visit(jaw, belief, dt):
+def ticks_of_a_visit(jaw, belief, settings):
     """In place of ``count_ticks``: earlier visits are forgotten."""
-    return stay_of(jaw, belief, dt)
+    return 0.0 if settings.whole > 0.0 else stay_of(jaw, belief, settings.dt)
 
 
 class Biting:
@@ -210,6 +210,7 @@ LASTING_CELLS = (
     Scenario("slow_opening", "targets", "severe", device=WHOLE),
     Scenario("open_and_hold", "targets", seconds=120.0, device=HALF),
     Scenario("refined", "targets", device=HALF),
+    Scenario("open_and_hold", "targets", seconds=300.0),
 )
 TABLES = {"point": (ROWS, CELLS), "discs": (BODY_ROWS, BODY_CELLS), "lasting": (LASTING_ROWS, LASTING_CELLS)}
 

@@ -89,7 +89,7 @@ class Belief:
         jaw = self._patients.jaw
         carried = norm(held.device[:, :3]) + norm(jaw.weight)
         rows = self._rows(held, readings, self._lasting(held, carried))
-        if self._twin.doubt > 0.0:
+        if not self._twin.counts_whole:
             rows = rows * self._weight_of_stay(held, carried).sqrt()[:, None, None]
         self._readings = self._readings + readings
         seen = rows @ self._truth[..., None]

@@ -108,6 +108,7 @@ class Twin:
         self.encoder_sd = torch.tensor(np.sqrt(noise["measurement_variance"][:6]))
         self.wrench_variance = torch.tensor(noise["wrench_variance"][:6])
         self.lasting, self.doubt = float(noise["lasting"]), float(noise["doubt"])
+        self.counts_whole = bool(noise["whole"] > 0.0)
         self.nuisances = Nuisances.of(noise["nuisances"])
         # m/s that the unmodelled force gives the mouthpiece in a tick: so fast shakes a jaw that is held still.
         self.shaking = TICK * float(model["mouthpiece_mobility"]) * float(noise["wrench_variance"][0]) ** 0.5

@@ -25,7 +25,10 @@ LASTING = 2e-3
 """Share of the force that is carried which the filter may have wrong at a pose (G): its own errors of second order."""
 
 KNOWN_LASTING = 6e-4
-"""The same with a known anatomy beside a disturbance with memory, or without a load cell: readings count for less."""
+"""The same with a known anatomy, as readings count for less."""
+
+WHOLE_TICKS = 1000.0
+"""Ticks at a pose that count whole where muscles and white noise are all that is unknown."""
 
 
 class Geometry(NamedTuple):
@@ -115,10 +118,9 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
     """
     settings["dt"], settings["gain_variance"] = noise.dt, noise.gain_sd**2
     settings["lasting"] = LASTING
-    if geometry.sds and geometry.knowledge != Knowledge():
-        settings["doubt"] = LASTING
-    elif geometry.sds or noise.disturbance_time_s > 0.0:
-        settings["doubt"] = KNOWN_LASTING
+    imaged = bool(geometry.sds) and geometry.knowledge != Knowledge()
+    settings["doubt"] = LASTING if imaged else KNOWN_LASTING
+    settings["whole"] = 0.0 if geometry.sds or noise.disturbance_time_s > 0.0 else WHOLE_TICKS
     settings["measurement_variance"] = noise.measurement_sd**2
     settings["wrench_variance"] = noise.wrench_variance
     settings["start_sd"][: len(start_sd)] = start_sd

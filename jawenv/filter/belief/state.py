@@ -100,7 +100,7 @@ class Belief:
     refused: int  # ticks on end, up to the last one, whose readings were refused
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     near: int  # the same, after teeth
-    visits: Annotated[Array, "cells"]  # ticks spent at poses alike, see ``readings.lasting``
+    visits: Annotated[Array, N_CELLS]  # ticks spent at poses alike, see ``readings.lasting``
     drift_rates: Annotated[Array, 6]  # velocities (u), smoothed, see ``tick.stay_of``
     gated: int  # ticks whose innovation the gate rejected when they were read
     last_measured: Annotated[Array, N_MEASUREMENTS]
@@ -128,7 +128,6 @@ def belief_dtype(
         motors=N_MOTORS if n_nuisances else 0,
         predicted=n_states,
         lines=n_lines if n_nuisances else 1,
-        cells=N_CELLS if n_nuisances or n_disturbance else 0,
     )
 
 
@@ -182,6 +181,7 @@ class FilterSettings:
     wrench_variance: Annotated[Array, N_WRENCH]  # of the wrench not known
     lasting: float  # share of the force that the model may have wrong at a pose, as noise of the motion
     doubt: float  # the same, by which what is read again counts for less
+    whole: float  # ticks at a pose that count whole all the same
     gain_variance: float
     cell_repeats: Annotated[NDArray[np.uint8], N_WRENCH]  # whether a component of the load cell has no noise
     rough: Annotated[Array, 3]  # see ``screening.rough_change``

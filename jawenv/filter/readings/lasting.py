@@ -46,11 +46,16 @@ def cell_of(jaw: Jaw, motion, n_cells):
 
 
 @njit
-def count_ticks(jaw: Jaw, belief: Belief, dt):
-    """Ticks that the jaw takes for this visit to its pose, or has been there in all, whichever is more; counts this."""
+def count_ticks(jaw: Jaw, belief: Belief, settings: FilterSettings):
+    """Ticks that the jaw takes for this visit to its pose, or has been there in all, whichever is more; counts this.
+
+    Where the first ones count whole, how many it has been there beyond these.
+    """
     cell = cell_of(jaw, belief.motion, belief.visits.shape[0])
     belief.visits[cell] += 1.0
-    return max(stay_of(jaw, belief, dt), belief.visits[cell])
+    if settings.whole > 0.0:
+        return max(belief.visits[cell] - settings.whole, 0.0)
+    return max(stay_of(jaw, belief, settings.dt), belief.visits[cell])
 
 
 @njit
@@ -70,7 +75,7 @@ def carried_force(jaw: Jaw, belief: Belief):
 
 @njit
 def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
-    """What a tick's readings count for as information, if anything but muscles is unknown or a disturbance lasts.
+    """What a tick's readings count for as information.
 
     What is wrong in the model is so large a share of the force that is carried, and alike within ``ALIKE``. n ticks
     there with white noise of variance r tell n / (r + n s) of the force, with s the error's variance, in place of n /
@@ -78,7 +83,8 @@ def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
     finds the same error, so n counts all its visits. As more noise of the motion it would make the motion follow the
     encoders' noise, which biases what is learnt.
     """
-    if settings.doubt == 0.0:
+    ticks = count_ticks(jaw, belief, settings)
+    if ticks == 0.0:
         return 1.0
     noise = 0.0
     for k in range(3):
@@ -86,7 +92,7 @@ def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
         if settings.disturbance_variance.shape[0] > 0:
             noise += settings.disturbance_variance[k] / (1.0 - settings.disturbance_decay**2) / 3.0
     error = settings.doubt * carried_force(jaw, belief)
-    return noise / (noise + count_ticks(jaw, belief, settings.dt) * error * error)
+    return noise / (noise + ticks * error * error)
 
 
 @njit
