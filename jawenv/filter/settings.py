@@ -27,7 +27,7 @@ LASTING = 2e-3
 KNOWN_LASTING = 6e-4
 """The same with a known anatomy, as readings count for less."""
 
-WHOLE_TICKS = 1000.0
+WHOLE_TICKS = 1500.0
 """Ticks at a pose that count whole where muscles and white noise are all that is unknown."""
 
 
