@@ -101,6 +101,7 @@ class Belief:
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     near: int  # the same, after teeth
     visits: Annotated[Array, N_CELLS]  # ticks spent at poses alike, see ``readings.lasting``
+    visited: float  # of the pose, smoothed as drift rates are
     drift_rates: Annotated[Array, 6]  # velocities (u), smoothed, see ``tick.stay_of``
     gated: int  # ticks whose innovation the gate rejected when they were read
     last_measured: Annotated[Array, N_MEASUREMENTS]
@@ -293,7 +294,7 @@ def forget_readings(belief: Belief):
     belief.block.slow, belief.block.total, belief.block.level = 0, 0.0, 0.0
     belief.waits, belief.near, belief.readings, belief.refused = 0, 0, 0, 0
     belief.drift_rates[:] = 0.0
-    belief.visits[:] = 0.0
+    belief.visits[:], belief.visited = 0.0, 0.0
     belief.last_measured[:] = np.nan
     belief.encoder_step[:] = np.inf
     belief.repeats[:] = 0.0

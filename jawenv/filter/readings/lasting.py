@@ -49,12 +49,14 @@ def cell_of(jaw: Jaw, motion, n_cells):
 def count_ticks(jaw: Jaw, belief: Belief, settings: FilterSettings):
     """Ticks that the jaw takes for this visit to its pose, or has been there in all, whichever is more; counts this.
 
-    Where the first ones count whole, how many it has been there beyond these.
+    Where the first ones count whole, how many it has been there beyond these, smoothed over ``DRIFT_S``. Else a jaw
+    held at the edge of a cell would learn most from readings whose noise takes it to the next one, with a bias.
     """
     cell = cell_of(jaw, belief.motion, belief.visits.shape[0])
     belief.visits[cell] += 1.0
+    belief.visited += settings.dt / DRIFT_S * (belief.visits[cell] - belief.visited)
     if settings.whole > 0.0:
-        return max(belief.visits[cell] - settings.whole, 0.0)
+        return max(belief.visited - settings.whole, 0.0)
     return max(stay_of(jaw, belief, settings.dt), belief.visits[cell])
 
 
