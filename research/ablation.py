@@ -202,12 +202,12 @@ LASTING_ROWS = (
     Variant("each visit of a pose by itself", {"readings.lasting.count_ticks": ticks_of_a_visit}),
     Variant("every reading counts whole", {"tick.weight_of_stay": whole}),
 )
-HALF, WHOLE = {"unmodelled_time_s": 0.5}, {"unmodelled_time_s": 1.0}
+HALF, SECOND = {"unmodelled_time_s": 0.5}, {"unmodelled_time_s": 1.0}
 LASTING_CELLS = (
     Scenario("examples/one_channel.yaml", "targets", env_id=SCAN, seconds=60.0),
     Scenario("slow_opening", "targets", env_id=SCAN, seconds=120.0),
     Scenario("refined", "targets", env_id=SCAN),
-    Scenario("slow_opening", "targets", "severe", device=WHOLE),
+    Scenario("slow_opening", "targets", "severe", device=SECOND),
     Scenario("open_and_hold", "targets", seconds=120.0, device=HALF),
     Scenario("refined", "targets", device=HALF),
     Scenario("open_and_hold", "targets", seconds=300.0),

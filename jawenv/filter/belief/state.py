@@ -102,7 +102,7 @@ class Belief:
     near: int  # the same, after teeth
     visits: Annotated[Array, N_CELLS]  # ticks spent at poses alike, see ``readings.lasting``
     visited: float  # of the pose, smoothed as drift rates are
-    drift_rates: Annotated[Array, 6]  # velocities (u), smoothed, see ``tick.stay_of``
+    drift_rates: Annotated[Array, 6]  # velocities (u), smoothed, see ``readings.lasting``
     gated: int  # ticks whose innovation the gate rejected when they were read
     last_measured: Annotated[Array, N_MEASUREMENTS]
     encoder_step: Annotated[Array, N_MEASUREMENTS]  # see ``readings.screening``; infinite before a change
