@@ -8,6 +8,7 @@ earlier readings again and take longer; readings wait meanwhile in the socket.
 """
 
 import argparse
+import dataclasses
 import multiprocessing
 import select
 import socket
@@ -24,7 +25,9 @@ MANEUVER = "opening_with_swings_and_fore_aft"
 READING = np.dtype([("tick", np.int64), ("measured", np.float64, 12), ("samples", np.float64, (3, 6))])
 REPLY = np.dtype([("tick", np.int64), ("worst_sd", np.float64), ("misfit", np.float64)])
 END = -1  # the tick of the last packet, which has no reading
-PATIENCE_S = 60.0
+PATIENCE_S = 60.0  # without a packet
+LOST = 100  # ticks that may be missing before a packet
+LOST_AND_CONFIRMED = 6000  # the same, where the packet after it goes on from there
 
 
 def device(port: int, readings: np.ndarray, period_s: float) -> None:
@@ -57,19 +60,58 @@ def listen(link: socket.socket, until_s: float, sent_s: np.ndarray, latency_s: n
             latency_s[tick] = time.perf_counter() - sent_s[tick]
 
 
+@dataclasses.dataclass
+class Order:
+    """Decides which packets are the device's next reading; a network loses, repeats, delays and damages packets."""
+
+    sender: object = None  # address of the first packet that was whole
+    expected: int = 0  # tick of the next reading
+    ahead: int = -1  # tick of the last packet that came from too far ahead
+    dropped: int = 0  # packets
+
+    def reading(self, packet: bytes, sender: object) -> np.void | None:
+        """Return the reading or END, or count a packet that is neither."""
+        if len(packet) == READING.itemsize and self.sender in (None, sender):
+            reading = np.frombuffer(packet, READING)[0]
+            if reading["tick"] == END or self._follows(int(reading["tick"])):
+                self.sender = sender
+                return reading
+        self.dropped += 1
+        return None
+
+    def _follows(self, tick: int) -> bool:
+        """A jump of more than a second needs a second packet that agrees: one flipped bit is no outage."""
+        lost, since_ahead = tick - self.expected, tick - self.ahead
+        if self.expected and LOST < lost <= LOST_AND_CONFIRMED and not 0 < since_ahead <= LOST:
+            self.ahead = tick
+            return False
+        return 0 <= lost <= (LOST_AND_CONFIRMED if self.expected else LOST)
+
+
 def serve(link: socket.socket, online: jawenv.OnlineFilter) -> OnlineBelief | None:
-    """Answer every reading with the belief after it; a lost packet is a tick of which nothing was read."""
-    expected, belief = 0, None
+    """Answer every reading with the belief after it; a lost packet is a tick of which nothing was read.
+
+    The clock is the device's: a belief's time is its packet's tick. What is no next reading is dropped and counted.
+    """
+    order, belief = Order(), None
     while True:
-        packet, sender = link.recvfrom(READING.itemsize)
-        reading = np.frombuffer(packet, READING)[0]
+        try:
+            reading = order.reading(*link.recvfrom(READING.itemsize + 1))
+        except TimeoutError:
+            print(f"no packet for {PATIENCE_S:g} s", file=sys.stderr)
+            break
+        if reading is None:
+            continue
         if reading["tick"] == END:
-            return belief
-        for _ in range(expected, reading["tick"]):
+            break
+        for _ in range(order.expected, reading["tick"]):
             online.update(np.full(12, np.nan), np.full((3, 6), np.nan))
         belief = online.update(reading["measured"], reading["samples"])
-        expected = int(reading["tick"]) + 1
-        link.sendto(np.array((reading["tick"], belief.log_sd.max(), belief.misfit), REPLY).tobytes(), sender)
+        order.expected = int(reading["tick"]) + 1
+        link.sendto(np.array((reading["tick"], belief.log_sd.max(), belief.misfit), REPLY).tobytes(), order.sender)
+    if order.dropped:
+        print(f"{order.dropped} packets were no next reading of the device: dropped")
+    return belief
 
 
 def main() -> None:

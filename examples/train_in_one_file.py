@@ -91,7 +91,7 @@ def apg(policy: Policy, env: gym.vector.VectorEnv, optimiser: torch.optim.Optimi
     """One episode of new patients in the twin, differentiated as a whole."""
     env.reset(seed=seed)
     simulation = env.unwrapped.simulation
-    worlds = Worlds(Twin(simulation, 1), Patients.of_worlds(simulation.worlds), torch.Generator().manual_seed(seed))
+    worlds = Worlds(Twin(simulation), Patients.of_worlds(simulation.worlds), torch.Generator().manual_seed(seed))
     discomfort = torch.zeros(env.num_envs, dtype=torch.float64)
     for step in range(STEPS):
         seen = observation(worlds, 1.0 - step / STEPS).float()

@@ -7,7 +7,6 @@ python examples/train_with_sb3.py --steps 200000
 import argparse
 import sys
 
-import gymnasium as gym
 import numpy as np
 import torch
 from stable_baselines3 import PPO
@@ -25,7 +24,7 @@ def trained(steps: int, episode_s: float) -> PPO:
     """A policy after so many steps; a penalty in the reward keeps it comfortable."""
     torch.set_num_threads(1)  # more threads wait for each other and for the environment
     kwargs = {"episode_s": episode_s, "reward": "mixed", "comfort_weight": 60.0}
-    worlds = NativeVecEnv(gym.make_vec(ENV_ID, num_envs=WORLDS, autoreset_mode="same_step", **kwargs))
+    worlds = NativeVecEnv(ENV_ID, WORLDS, **kwargs)
     worlds.seed(TRAINING.start)
     model = PPO("MlpPolicy", worlds, n_steps=STEPS_EACH, batch_size=1024, gamma=0.97, seed=0, device="cpu")
     model.learn(steps)

@@ -8,8 +8,10 @@ Gymnasium's autoreset mode ``same_step``, the only one accepted here.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any, Protocol
 
+import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -37,7 +39,7 @@ class Price(Protocol):
 class NativeVecEnv(VecEnv):
     """Steps a native vector environment of N worlds on behalf of stable-baselines3.
 
-    ``NativeVecEnv(gym.make_vec("jawenv/Jaw-v3", num_envs=64, autoreset_mode="same_step"))``
+    ``NativeVecEnv("jawenv/Jaw-v3", 64, cohort="one_sided")``
 
     ``infos[i]`` is empty while world i's episode goes on. At its end it holds ``terminal_observation``,
     ``TimeLimit.truncated`` and ``episode``: return ``r``, length ``l``, seconds ``t`` since the adapter was
@@ -50,18 +52,38 @@ class NativeVecEnv(VecEnv):
         discomfort_s: (N,) cost of the latest step times its length, s; 0 where the environment tells no cost or time.
 
     Args:
-        env: its metadata must say ``autoreset_mode`` same_step; seeded with s, world i must start from s + i.
+        env: an id that ``gym.make_vec`` knows, or a vector environment whose metadata says ``autoreset_mode``
+            same_step; seeded with s, world i must start from s + i.
+        num_envs: of an id; a vector environment has its own.
         price: of discomfort: each reward is less by price times discomfort of the step. None by default.
+        arguments: of an id, for ``gym.make_vec``.
 
     Raises:
-        InputError: the environment resets its worlds in another mode, or its observation is not a Box.
+        InputError: the environment resets its worlds in another mode, its observation is not a Box, or arguments
+            are given beside a vector environment.
     """
 
-    def __init__(self, env: VectorEnv[Any, Any, Any], price: Price | None = None) -> None:
+    def __init__(
+        self,
+        env: str | VectorEnv[Any, Any, Any],
+        num_envs: int | None = None,
+        *,
+        price: Price | None = None,
+        **arguments: Any,
+    ) -> None:
+        if isinstance(env, str):
+            env = gym.make_vec(env, num_envs=num_envs or 1, **{"autoreset_mode": "same_step", **arguments})
+        elif num_envs is not None or arguments:
+            given = ["num_envs", *arguments][num_envs is None]
+            raise InputError(f"{given} stands beside a vector environment; allowed: beside an id, as 'jawenv/Jaw-v3'")
         mode = env.metadata.get("autoreset_mode")
         if mode != AutoresetMode.SAME_STEP:
             actual = mode.name.lower() if isinstance(mode, AutoresetMode) else mode
-            raise InputError(f"autoreset_mode of {_name(env)} is {actual!r}, but stable-baselines3 needs 'same_step'")
+            line = f'NativeVecEnv("{_name(env)}", {env.num_envs})'
+            raise InputError(
+                f"autoreset_mode of {_name(env)} is {actual!r}; allowed: 'same_step' of gym.make_vec(..., "
+                f'autoreset_mode="same_step"), as {line} makes it'
+            )
         if not isinstance(env.single_observation_space, spaces.Box):
             space = str(env.single_observation_space)
             raise InputError(f"{_name(env)}'s observation space is {space}, but NativeVecEnv needs a Box")
@@ -103,8 +125,7 @@ class NativeVecEnv(VecEnv):
             self._costs += info["cost"]
         done = np.logical_or(terminated, truncated)
         self._note_step(info, done)
-        # One empty dict for all worlds that go on; a new one each step, so that nothing written to it stays.
-        infos: list[dict[str, Any]] = [{}] * self.num_envs
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if done.any():
             self._finish(np.flatnonzero(done), terminated, info, infos)
         paid = self._checked(reward)
@@ -169,6 +190,11 @@ class NativeVecEnv(VecEnv):
         """Close the environment; closing twice is harmless."""
         if not self.env.closed:
             self.env.close()
+
+    def get_images(self) -> Sequence[np.ndarray | None]:
+        """A frame (height, width, 3) of each world, as the environment's ``render_mode`` says; None without one."""
+        frames: Any = self.env.render() if self.render_mode else None
+        return list(frames or [None] * self.num_envs)
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """The attribute of the vector environment, once for each world asked for: the worlds share it."""

@@ -1,5 +1,6 @@
 """Fixtures for all tests; that this file exists also makes the helpers beside it (``newton_euler``) importable."""
 
+import signal
 import sys
 
 import numba
@@ -17,6 +18,12 @@ settings.load_profile("jawenv")
 
 # Compile filters of their own at once: with nuisances, with a disturbance that has memory.
 OWN_FILTERS = ("test_nuisances.py", "test_disturbance.py")
+
+
+def pytest_configure():
+    """Interrupts reach tests and their processes also where the shell that began the suite ignores them."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(trylast=True)  # those that markers leave out are no longer among them

@@ -9,6 +9,7 @@ from filelock import FileLock
 
 from jawenv.errors import InputError
 from jawenv.locks import alone
+from tests.processes import started
 
 HOLDS = """
 import sys
@@ -25,12 +26,11 @@ with alone(Path(sys.argv[1])):
 def test_another_process_is_refused_until_the_first_ends(tmp_path: Path, name: str) -> None:
     output = tmp_path / name
     command = [sys.executable, "-c", HOLDS, str(output)]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+    with started(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
         assert other.stdout is not None and other.stdout.readline() == "held\n"
         with pytest.raises(InputError) as refused, alone(output):
             pass
         assert "\n" not in str(refused.value)
-        other.kill()
     with alone(output), alone(tmp_path / "another"):
         pass
     assert not list(tmp_path.iterdir()), "no lock is left behind"

@@ -8,7 +8,7 @@ from jawenv import versions
 
 def git(folder: Path, *arguments: str) -> None:
     identity = ["-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false"]
-    subprocess.run(["git", "-C", str(folder), *identity, *arguments], check=True, capture_output=True)
+    subprocess.run(["git", "-C", str(folder), *identity, *arguments], check=True, capture_output=True, timeout=600)
 
 
 def test_a_new_file_is_a_change_unless_git_ignores_it(tmp_path: Path) -> None:

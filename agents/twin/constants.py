@@ -31,6 +31,9 @@ from jawenv.ladder import title_of_env
 
 STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
 """Limits with an end stop, in the order of ``Twin.onset``."""
+LAWS_PER_DECISION = 2
+"""Times that the device's law acts between two decisions; 4 in the environment. Acting once, it moves the jaw so
+roughly that discomfort is four times too high."""
 _GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]
 
 
@@ -89,13 +92,12 @@ class Twin:
 
     Args:
         simulation: of the environment.
-        laws_per_decision: how often the law acts between two decisions; in the environment 4 times.
 
     Raises:
         InputError: an environment of another model than ``JawEnv``'s own.
     """
 
-    def __init__(self, simulation: Any, laws_per_decision: int = 2) -> None:
+    def __init__(self, simulation: Any) -> None:
         if simulation.configuration.model != MODEL:
             title = title_of_env(simulation.configuration.env_id)
             raise InputError(f"env is {title!r}; allowed for the twin: 'Jaw' and 'JawImaged'")
@@ -122,9 +124,8 @@ class Twin:
         self.crest = CREST_SHARE * pi / float(self.jaw.fossa_frequency)
         self.prior_mean, self.prior_sd = torch.tensor(noise["prior_mean"]), torch.tensor(noise["prior_sd"])
         self.gain_sd = float(noise["gain_variance"]) ** 0.5
-        self.laws_per_decision = laws_per_decision
         self.decision_s: float = 1.0 / simulation.configuration.steps_per_s
-        self.dt: float = self.decision_s / laws_per_decision
+        self.dt: float = self.decision_s / LAWS_PER_DECISION
         self.memory, self.disturbance_variance = 0.0, torch.zeros(6, dtype=torch.float64)
         if len(noise["disturbance_variance"]):
             decay = float(noise["disturbance_decay"])

@@ -13,7 +13,7 @@ from torch import Tensor
 from torch.nn.functional import pad
 
 from agents.twin.belief import Belief, Held
-from agents.twin.constants import Patients, Twin
+from agents.twin.constants import LAWS_PER_DECISION, Patients, Twin
 from agents.twin.mechanics import Forces, Passive, Pose, forces, norm, ramp, wrenches
 from jawenv.device import laws
 from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST, N_CHANNELS, ROLL_FULL_SCALE_RAD
@@ -75,7 +75,7 @@ class Worlds:
         fastest = action.new_tensor(FASTEST_TARGET)
         rate = torch.maximum(torch.minimum(rate, fastest), -fastest)
         discomfort = torch.zeros_like(action[:, 0])
-        for _ in range(twin.laws_per_decision):
+        for _ in range(LAWS_PER_DECISION):
             self._command(rate)
             self._move()
             # The filter sees the gap within the encoders' noise: how often it learns falls smoothly.

@@ -1,13 +1,17 @@
 """The examples run as their first lines say, in a process of their own; what they refuse is seen in this one."""
 
+import importlib.util
 import os
 import runpy
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+
+import jawenv
 
 ROOT = Path(__file__).parents[2]
 
@@ -159,6 +163,66 @@ def test_device_loop() -> None:
     p50, p99 = (float(lines[1].split()[i]) for i in (2, 5))
     assert 0.0 < p50 <= p99
     assert lines[2].startswith("deadlines of 10 ms missed: ") and lines[3].startswith("all within ")
+
+
+def packets_of(loop: Any, seconds: float) -> tuple[Any, list[bytes]]:
+    record = jawenv.play(
+        loop.Player(loop.MANEUVER), patients=1, seed=0, env_kwargs={"record": True, "episode_s": seconds}
+    ).records[0]
+    readings = np.zeros(len(record.measured), loop.READING)
+    readings["tick"], readings["measured"] = np.arange(len(readings)), record.measured
+    readings["samples"][1:] = record.samples
+    return record, [reading.tobytes() for reading in readings]
+
+
+class Link:
+    """A socket on which these packets have arrived, most from the device."""
+
+    def __init__(self, packets: list[Any]) -> None:
+        self.packets, self.replies = packets, 0
+
+    def recvfrom(self, size: int) -> tuple[bytes, str]:
+        if not self.packets:
+            raise TimeoutError
+        packet = self.packets.pop(0)
+        packet, sender = packet if isinstance(packet, tuple) else (packet, "device")
+        return packet[:size], sender
+
+    def sendto(self, data: bytes, sender: str) -> None:
+        assert sender == "device"
+        self.replies += 1
+
+
+def test_device_loop_takes_packets_as_a_network_treats_them(capsys) -> None:
+    spec = importlib.util.spec_from_file_location("device_loop", ROOT / "examples" / "device_loop.py")
+    loop = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loop)
+    record, packets = packets_of(loop, 3.0)
+
+    def of_tick(tick: int) -> bytes:
+        reading = np.frombuffer(packets[100], loop.READING)[0].copy()
+        reading["tick"] = tick
+        return reading.tobytes()
+
+    def served(sent: list[Any]) -> Any:
+        end = np.zeros((), loop.READING)
+        end["tick"] = loop.END
+        return loop.serve(Link([*sent, end.tobytes()]), jawenv.OnlineFilter.of_record(record))
+
+    whole = served(list(packets))
+    odd = [b"", b"x", packets[9][:-1], packets[9] + b"x", of_tick(10**9), of_tick(2**62), of_tick(-5), of_tick(3000)]
+    strange = [(of_tick(101), "stranger"), (of_tick(loop.END), "stranger")]
+    for extra in ([packets[99]], [packets[0]] * 20, odd, strange, [*odd, *strange]):
+        capsys.readouterr()
+        belief = served([*packets[:100], *extra, *packets[100:]])
+        np.testing.assert_array_equal(belief.log_mean, whole.log_mean)
+        assert belief.time_s == whole.time_s
+        assert f"{len(extra)} packets were no next reading" in capsys.readouterr().out
+    outage = served([*packets[:20], *packets[150:]])  # two packets have to agree that the link was down so long
+    assert outage.time_s == whole.time_s and np.isfinite(outage.log_mean).all()
+    late = served([*packets[:100], *packets[101:130], packets[100], *packets[130:]])
+    assert late.time_s == whole.time_s
+    assert loop.serve(Link([]), jawenv.OnlineFilter.of_record(record)) is None
 
 
 def test_device_loop_names_what_is_not_allowed(refusal) -> None:

@@ -75,7 +75,9 @@ def test_neither_torch_nor_pickle_is_needed(folder: Path) -> None:
         f"assert agent.predict(numpy.zeros({OBSERVATION_SIZE}, dtype='f4'))[0].shape == (4,)\n"
         "assert not {'torch', 'stable_baselines3', 'matplotlib'} & set(sys.modules)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=Path(agents.__file__).parents[1], capture_output=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=Path(agents.__file__).parents[1], capture_output=True, timeout=600
+    )
     assert done.returncode == 0, done.stderr.decode()
 
 

@@ -162,7 +162,9 @@ def memory(size: Size) -> list[Row]:
 
 def child(code: str, **environment: str) -> str:
     command = [sys.executable, "-c", code]
-    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, env=os.environ | environment).stdout
+    return subprocess.run(
+        command, check=True, stdout=subprocess.PIPE, text=True, env=os.environ | environment, timeout=600
+    ).stdout
 
 
 def start_up(size: Size) -> list[Row]:

@@ -47,7 +47,7 @@ def test_every_command_line_says_its_version_and_its_help(command_line, capsys):
 def test_a_full_disk_behind_the_standard_output_is_one_line():
     with open("/dev/full", "w") as full:
         command = [sys.executable, "-c", "from jawenv.commands.app import main; raise SystemExit(main(['list']))"]
-        ran = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+        ran = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=600)
     assert ran.returncode == 2
     assert ran.stderr == "error: the standard output cannot be written: No space left on device\n"
 

@@ -19,7 +19,7 @@ runpy.run_module({command!r}, run_name="__main__")
 
 def test_the_extra_is_named() -> None:
     code = RUNS.format(package="torch", command="training", arguments=["train", "ppo"])
-    ran = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    ran = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=600)
     assert ran.stderr.startswith("error: python -m training needs torch: .ci/setup ") and ran.stderr.count("\n") == 1
     assert ran.returncode == 2
 

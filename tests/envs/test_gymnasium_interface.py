@@ -131,7 +131,9 @@ def test_a_seed_that_gymnasium_drew_can_be_given_back():
 
 def test_importing_jawenv_imports_nothing_heavy():
     code = "import sys, jawenv; print(*sorted({name.split('.')[0] for name in sys.modules}))"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=600
+    ).stdout.split()
     heavy = {"torch", "matplotlib", "pymunk", "pygame", "numba", "scipy", "stable_baselines3", "pandas"}
     assert not heavy & set(loaded)
 

@@ -90,7 +90,9 @@ def test_the_same_seed_gives_the_same_episode_in_another_process():
     observations = [env.reset(seed=8)[0]]
     for k in range(20):
         observations.append(env.step(np.full(4, 0.2 * np.sin(k), dtype=np.float32))[0])
-    other = subprocess.run([sys.executable, "-c", _EPISODE], capture_output=True, text=True, check=True).stdout.strip()
+    other = subprocess.run(
+        [sys.executable, "-c", _EPISODE], capture_output=True, text=True, check=True, timeout=600
+    ).stdout.strip()
     assert other == hashlib.sha256(np.array(observations).tobytes()).hexdigest()
 
 

@@ -53,7 +53,7 @@ def test_two_processes_may_fill_the_cache_for_a_third(tmp_path: Path) -> None:
 
     def sums(*sizes: str) -> list[float]:
         command = [sys.executable, str(tmp_path / "kernels.py"), *sizes]
-        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True, timeout=600)
         return [float(line) for line in ran.stdout.split()]
 
     assert sums("3") == [6.0]
@@ -88,7 +88,7 @@ def run_constant(folder: Path, cache: Path, text: str) -> tuple[float, bool]:
     (folder / "kernels.py").write_text(text)
     places = {"JAWENV_CACHE_DIR": str(cache), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
     command = [sys.executable, str(folder / "kernels.py")]
-    ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+    ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True, timeout=600)
     return float(ran.stdout), "compiling" in ran.stderr
 
 
@@ -164,18 +164,22 @@ def test_kernels_without_their_sources(tmp_path: Path) -> None:
     text = CONSTANT.replace("FACTOR * x", "cross((x, 0.0, 0.0), (0.0, 2.0, 0.0))[2]")
     (tmp_path / "kernels.py").write_text("from jawenv.kernels.vec3 import cross\n" + text)
     compileall = [sys.executable, "-m", "compileall", "-q", "-b", str(tmp_path)]
-    subprocess.run(compileall, check=True)
+    subprocess.run(compileall, check=True, timeout=600)
     for source in [*package.rglob("*.py"), *tmp_path.glob("*.py"), *(tmp_path / "jawenv").glob("*.py")]:
         source.unlink()
     places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
     command = [sys.executable, str(tmp_path / "kernels.pyc")]
-    ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, cwd=tmp_path, check=True)
+    ran = subprocess.run(
+        command, env=os.environ | places, capture_output=True, text=True, cwd=tmp_path, check=True, timeout=600
+    )
     assert float(ran.stdout) == 3.0
 
 
 def test_compilation_that_is_switched_off_is_told_in_one_line() -> None:
     command = [sys.executable, "-c", "import gymnasium, jawenv; gymnasium.make('jawenv/JawHinge-v3')"]
-    ran = subprocess.run(command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True)
+    ran = subprocess.run(
+        command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, timeout=600
+    )
     assert ran.returncode == 1 and "InputError: NUMBA_DISABLE_JIT is set; allowed" in ran.stderr.splitlines()[-1]
 
 
@@ -212,7 +216,7 @@ def test_a_kernel_has_machine_code_only_where_python_calls_it(tmp_path: Path) ->
 
     def run(name: str) -> tuple[float, set[str]]:
         command = [sys.executable, str(tmp_path / "kernels.py"), name]
-        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True, timeout=600)
         folders = [file.parent.name for file in (tmp_path / "cache").rglob("*.kernel")]
         forms = {f"{folder.split('-')[0].split('.')[-1]}{'+' * folder.endswith('-linked')}" for folder in folders}
         return float(ran.stdout), forms

@@ -31,7 +31,7 @@ def weightless(jaw):
 
 def test_pymunk_waits_until_it_is_used():
     code = "import jawenv, jawenv.mechanics, sys; sys.exit('pymunk' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], timeout=600).returncode == 0
 
 
 def test_state_is_what_was_placed(jaw):

@@ -103,7 +103,9 @@ def test_examples_that_need_only_the_wheel_run_without_anything_else(tmp_path: P
     assert {"README.md", "docs/environment.md", "agents/README.md"} <= places
     code = ALONE.format(blocked=NOT_OF_THE_WHEEL, seconds=EPISODE_S)
     given = json.dumps([[(block.place, block.text) for block in found] for found in chosen])
-    ran = subprocess.run([sys.executable, "-c", code], input=given, capture_output=True, text=True, cwd=tmp_path)
+    ran = subprocess.run(
+        [sys.executable, "-c", code], input=given, capture_output=True, text=True, cwd=tmp_path, timeout=600
+    )
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.count("ran:") == sum(map(len, chosen))
 

@@ -30,6 +30,6 @@ def test_constants_that_the_ablation_changes_exist() -> None:
 
 def test_the_benchmark_is_a_command() -> None:
     bench = Path(__file__).parents[1] / "benchmarks" / "bench.py"
-    ended = subprocess.run([sys.executable, bench, "--help"], capture_output=True, text=True, check=False)
+    ended = subprocess.run([sys.executable, bench, "--help"], capture_output=True, text=True, check=False, timeout=600)
     assert ended.returncode == 0, ended.stderr
     assert "--quick" in ended.stdout

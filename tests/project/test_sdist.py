@@ -20,7 +20,7 @@ BUILD = "from setuptools import build_meta; build_meta.build_sdist('dist')"
 
 
 def tracked() -> list[str]:
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True)
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, timeout=600)
     if listed.returncode:
         pytest.skip("no repository")
     return [name for name in listed.stdout.split("\0") if name and (ROOT / name).exists()]

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.processes import started
+
 ROOT = Path(__file__).parents[2]
 
 PYPROJECT = """
@@ -85,12 +87,12 @@ def interrupt_while_building(project: Path, *groups: str) -> int:
     """Starts a set-up whose build never ends, and stops it there. Returns the exit status."""
     (project / "slow").touch()
     command = [str(project / ".ci" / "setup"), *groups]
-    with subprocess.Popen(command, env=environment(project), start_new_session=True) as process:
+    with started(command, env=environment(project)) as process:
         deadline = time.monotonic() + 100
         while not (project / "building").exists() and process.poll() is None and time.monotonic() < deadline:
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)
-        process.communicate(timeout=60)
+        process.wait(60)
     (project / "slow").unlink()
     return process.returncode
 

@@ -43,7 +43,7 @@ jawenv.score(played), jawenv.identifiability(played.records[0]), jawenv.bound_al
 def in_new_process(code: str) -> str:
     """What the code prints where the packages cannot be imported."""
     blocked = f"import sys; sys.modules.update(dict.fromkeys({BLOCKED!r}))\n"
-    ran = subprocess.run([sys.executable, "-c", blocked + code], capture_output=True, text=True)
+    ran = subprocess.run([sys.executable, "-c", blocked + code], capture_output=True, text=True, timeout=600)
     assert ran.returncode == 0, ran.stderr
     return ran.stdout.strip()
 

@@ -197,7 +197,11 @@ def in_new_process(code: str, **environment: str) -> str:
     setup += "import importlib.util as u; spec = u.spec_from_file_location('scenes', " + repr(__file__) + ")\n"
     setup += "scenes = u.module_from_spec(spec); spec.loader.exec_module(scenes)\n"
     done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", setup + code], env=kept | environment, capture_output=True, text=True
+        [sys.executable, "-W", "error", "-c", setup + code],
+        env=kept | environment,
+        capture_output=True,
+        text=True,
+        timeout=600,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout

@@ -138,7 +138,7 @@ def test_one_terrible_batch_does_not_blow_the_price_up_and_it_has_an_end() -> No
 
 
 def test_reward_is_less_by_price_times_discomfort_also_in_the_last_step() -> None:
-    priced, native = (NativeVecEnv(PointVectorEnv(4, "same_step"), price) for price in (Multiplier(PRICE), None))
+    priced, native = (NativeVecEnv(PointVectorEnv(4, "same_step"), price=price) for price in (Multiplier(PRICE), None))
     for each in (priced, native):
         each.seed(3)
         each.reset()

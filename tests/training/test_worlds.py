@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import gymnasium as gym
 import numpy as np
 import pytest
 from point_env import EPISODE_STEPS, PointVectorEnv
@@ -81,6 +82,32 @@ def test_reward_that_would_ruin_the_network_is_named(value: float, monkeypatch: 
 def test_other_autoreset_modes_are_refused() -> None:
     with pytest.raises(InputError):
         NativeVecEnv(PointVectorEnv(2))
+
+
+def test_an_id_makes_the_worlds_that_a_refusal_asks_for() -> None:
+    with pytest.raises(InputError, match='autoreset_mode="same_step"'):
+        NativeVecEnv(gym.make_vec("jawenv/JawHinge-v3", num_envs=2))
+    worlds = NativeVecEnv("jawenv/JawHinge-v3", 3, episode_s=1.0, render_mode="rgb_array")
+    assert worlds.num_envs == 3 and worlds.env.unwrapped.configuration.episode_s == 1.0
+    worlds.seed(0)
+    worlds.reset()
+    images = worlds.get_images()
+    assert len(images) == 3 and len({image.shape for image in images}) == 1
+    frame = worlds.render()
+    assert frame.ndim == 3 and frame.shape[0] >= images[0].shape[0]
+    worlds.close()
+    with pytest.raises(InputError, match="num_envs"):
+        NativeVecEnv(PointVectorEnv(3, "same_step"), 3)
+    assert NativeVecEnv(PointVectorEnv(2, "same_step")).get_images() == [None, None]
+
+
+def test_what_is_written_to_an_info_stays_that_worlds() -> None:
+    worlds = NativeVecEnv(PointVectorEnv(3, "same_step"))
+    worlds.seed(0)
+    worlds.reset()
+    infos = worlds.step(np.zeros((3, 2)))[3]
+    infos[0]["mine"] = 1
+    assert infos[1:] == [{}, {}]
 
 
 def test_single_worlds_have_no_methods_or_attributes() -> None:

@@ -50,4 +50,4 @@ def worlds_for(config: EnvConfig, n: int, base: BaseTargets | None = None, price
         if not mode.takes_targets:
             env = ControlledWorlds(env, TargetsLaw(mode.name, kwargs.get("control_hz"), base.decision_hz))
         env = ControlledWorlds(env, base)
-    return NativeVecEnv(env, price)
+    return NativeVecEnv(env, price=price)

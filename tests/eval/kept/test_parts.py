@@ -17,6 +17,7 @@ from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.locks import alone
 from jawenv.progress import Progress
+from tests.processes import started
 
 ROOT = Path(__file__).parents[3]
 
@@ -84,14 +85,14 @@ def test_a_refusal_in_a_process_is_the_callers(tmp_path):
 def test_an_interrupt_ends_the_processes_and_leaves_whole_files(tmp_path):
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))}
     command = [sys.executable, "-c", INTERRUPTED_RUN, str(tmp_path)]
-    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    for _ in range(300):
-        if len(list(tmp_path.glob("*.txt"))) > 2:
-            break
-        assert process.poll() is None
-        time.sleep(0.1)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-    _, error = process.communicate(timeout=30)
+    with started(command, env=environment, stderr=subprocess.PIPE) as process:
+        for _ in range(300):
+            if len(list(tmp_path.glob("*.txt"))) > 2:
+                break
+            assert process.poll() is None
+            time.sleep(0.1)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        _, error = process.communicate(timeout=30)
     assert "KeyboardInterrupt" in error
     kept = list(tmp_path.glob("*.txt"))
     assert 2 < len(kept) < 200 and all(path.read_text() == "whole" for path in kept)
