@@ -23,6 +23,7 @@ from jawenv.locks import alone
 from jawenv.progress import Progress
 
 Backend = Literal["loky", "ray"]
+LOOPBACK = "127.0.0.1"
 Content = TypeVar("Content")
 
 
@@ -175,6 +176,8 @@ def _parallel(run: Run, most: int) -> Parallel:
 def _connect_ray(workers: int | None = None) -> int:
     """Let joblib use Ray's cores: those of this machine, or of the cluster that RAY_ADDRESS names.
 
+    On this machine alone Ray listens on loopback: whoever reaches its ports can run code.
+
     Args:
         workers: processes on this machine, where no cluster is named; one per core by default.
 
@@ -200,7 +203,7 @@ def _connect_ray(workers: int | None = None) -> int:
                 runtime_env={"env_vars": {"PYTHONPATH": path, **threads}},
                 log_to_driver=False,
                 logging_level=logging.ERROR,
-                include_dashboard=None if address else False,
+                **({} if address else {"include_dashboard": False, "_node_ip_address": LOOPBACK}),
             )
         except (ConnectionError, ValueError, RuntimeError) as error:
             reason = " ".join(str(error).split())[:120]

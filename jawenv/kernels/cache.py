@@ -13,6 +13,7 @@ import inspect
 import os
 import pickle
 import shutil
+import stat
 import sys
 import tempfile
 import time
@@ -42,9 +43,30 @@ UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
 
 @cache
 def cache_folder() -> Path:
-    """Where compiled kernels are kept: ``JAWENV_CACHE_DIR``, or jawenv's folder in the user's cache."""
-    root = os.environ.get("JAWENV_CACHE_DIR") or user_cache_dir("jawenv")
-    return Path(root) / "kernels"
+    """Where compiled kernels are kept: ``JAWENV_CACHE_DIR``, or jawenv's folder in the user's cache.
+
+    Raises:
+        InputError: another user owns it or may write there; what lies there is run.
+    """
+    folder = Path(os.environ.get("JAWENV_CACHE_DIR") or user_cache_dir("jawenv")) / "kernels"
+    for place, sticky in ((folder, False), (folder.parent, True)):
+        if _others_may_write(place, sticky):
+            raise InputError(
+                f"JAWENV_CACHE_DIR: others may write in {place}, and machine code is run from it; "
+                f"allowed: a folder of your own (chmod go-w {place}, if you trust what it holds)"
+            )
+    return folder
+
+
+def _others_may_write(folder: Path, sticky: bool) -> bool:
+    """Whether a user other than this one and root can write there; a sticky folder protects a folder within it."""
+    try:
+        status = folder.stat()
+    except OSError:
+        return False
+    mine = os.name != "posix" or status.st_uid in (os.getuid(), 0)
+    writable = status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return not mine or bool(writable and not (sticky and status.st_mode & stat.S_ISVTX))
 
 
 def kernel_folder(function: FunctionType, kind: str = "") -> Path:
@@ -206,6 +228,14 @@ def _checked_content(path: Path) -> bytes | None:
     return content if hashlib.sha256(content).digest() == checksum else None
 
 
+def _make(folder: Path) -> None:
+    """Make a kernel's folder in a cache that is the user's alone, whatever the umask is."""
+    for place in (folder.parent.parent, folder.parent):
+        if not place.exists():
+            place.mkdir(0o700, parents=True, exist_ok=True)
+    folder.mkdir(exist_ok=True)
+
+
 def _make_writable(folder: Path) -> None:
     """Make a kernel's folder.
 
@@ -213,7 +243,7 @@ def _make_writable(folder: Path) -> None:
         InputError: it cannot be made or written.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        _make(folder)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
@@ -228,7 +258,7 @@ def one_process(folder: Path, what: str) -> Iterator[None]:
     """Of several processes one is in the block at a time, where the folder can be written and has locks."""
     lock = FileLock(folder / f"{what}.lock")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        _make(folder)
         os.utime(folder)  # kernels in use are not pruned
         lock.acquire()
     except (OSError, NotImplementedError):

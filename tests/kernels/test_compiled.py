@@ -13,6 +13,7 @@ import pytest
 from numba.extending import overload
 
 import jawenv
+from jawenv.errors import InputError
 from jawenv.kernels import cache
 from jawenv.kernels.compiled import WORLDS_AT_ONCE, njit, world_kernel
 
@@ -117,6 +118,32 @@ def test_a_kernel_is_compiled_again_only_where_its_numbers_could_change(
     shutil.copytree(constant_cache, tmp_path / "cache")
     text = CONSTANT.replace(old, new)
     assert run_constant(tmp_path / "clone", tmp_path / "cache", text) == (value, compiles)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of POSIX")
+@pytest.mark.parametrize("mode", [0o777, 0o775, 0o1777], ids=oct)
+def test_a_cache_that_others_may_write_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: int) -> None:
+    monkeypatch.setenv("JAWENV_CACHE_DIR", str(tmp_path))
+    (tmp_path / "kernels").mkdir()
+    (tmp_path / "kernels").chmod(mode)
+    with pytest.raises(InputError, match=f"others may write in {tmp_path / 'kernels'}"):
+        cache.cache_folder.__wrapped__()
+    (tmp_path / "kernels").chmod(0o700)
+    assert cache.cache_folder.__wrapped__() == tmp_path / "kernels"
+    tmp_path.chmod(0o777)
+    with pytest.raises(InputError, match="others may write"):
+        cache.cache_folder.__wrapped__()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of POSIX")
+def test_a_new_cache_is_the_users_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = os.umask(0)
+    try:
+        cache._make(tmp_path / "jawenv" / "kernels" / "one")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "jawenv" / "kernels").stat().st_mode & 0o777 == 0o700
+    assert (tmp_path / "jawenv").stat().st_mode & 0o777 == 0o700
 
 
 def test_a_damaged_kernel_is_compiled_again(constant_cache: Path, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+import yaml
 from point_env import TINY_CONFIG
 from stable_baselines3 import PPO
 
@@ -135,6 +136,39 @@ def test_resume_goes_on_from_model_optimiser_and_steps(
     assert sessions[0]["world_seed"] != sessions[1]["world_seed"]
     assert train(*command, 2048, "--seed", 9) == 2
     assert "(seed)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ("policy:\n    - ", "policy:\n    - 9\n    - ", "ppo.network.policy"),
+        ("kwargs: {}", "kwargs: {a: 1}", "env.kwargs.a"),
+    ],
+    ids=["network", "environment"],
+)
+def test_resume_refuses_another_network_or_task(
+    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, named: str
+) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(finished, run)
+    config = (run / "config.yaml").read_text()
+    assert old in config
+    (run / "config.yaml").write_text(config.replace(old, new))
+    assert train("--resume", run, "--steps", 1280) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and named in error and "damaged" not in error
+
+
+def test_resume_says_which_other_settings_were_changed(
+    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(finished, run)
+    config = yaml.safe_load((run / "config.yaml").read_text())
+    config["ppo"]["clip_range"] = 0.1
+    (run / "config.yaml").write_text(yaml.safe_dump(config))
+    assert train("--resume", run, "--steps", 1280) == 0
+    assert "changed since the run began: ppo.clip_range\n" in capsys.readouterr().out
 
 
 def test_resume_unpickles_nothing(finished: Path, tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ import shlex
 import shutil
 import sys
 import zipfile
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -139,7 +140,7 @@ class RunFolder:
             "training": config.seed,
             "validation": [config.evaluation.seed, config.evaluation.seed + config.evaluation.patients - 1],
         }
-        repeat = made_with(sessions=[_session(0, world_seed)], seeds=seeds)
+        repeat = made_with(sessions=[_session(0, world_seed)], seeds=seeds, settings=config.as_mapping())
         write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
         if base is not None:
             write_json(self.path / BASE_FILE, base)
@@ -155,6 +156,11 @@ class RunFolder:
         repeat = self._repeat()
         repeat["sessions"].append(_session(from_step, world_seed))
         write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
+
+    def changed_settings(self, config: TrainingConfig) -> tuple[str, ...]:
+        """Names of settings that were changed since the run began, as ``env.kwargs.cohort``; () of an older run."""
+        began = self._repeat().get("settings")
+        return tuple(_different("", began, config.as_mapping())) if isinstance(began, dict) else ()
 
     def commands(self) -> tuple[str, ...]:
         """The commands that made the run."""
@@ -215,6 +221,16 @@ def damaged(checkpoint: Path, error: Exception) -> InputError:
     """The error for a checkpoint that cannot be read."""
     reason = " ".join(str(error).split())[:200] or type(error).__name__
     return InputError(f"checkpoint {checkpoint} is damaged ({reason}); delete it to go on from the one before it")
+
+
+def _different(name: str, before: Any, after: Any) -> Iterator[str]:
+    """Names of the values that differ between two mappings, those within mappings with a dot."""
+    if not isinstance(before, dict) or not isinstance(after, dict):
+        if before != after:
+            yield name
+        return
+    for key in {**before, **after}:
+        yield from _different(f"{name}.{key}" if name else key, before.get(key), after.get(key))
 
 
 def _session(from_step: int, world_seed: int) -> dict[str, Any]:

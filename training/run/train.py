@@ -35,6 +35,7 @@ from training.run.worlds import world_seed, worlds_for
 INTERRUPTED = 130
 """Exit code of a run that was stopped by a signal, as shells report an interrupt."""
 MOST_SEEDS = 1000
+_TASK = ("algorithm", "env", "residual")
 _SEEDS = re.compile(r"(\d+)(?:-(\d+))?")
 
 
@@ -72,10 +73,11 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
         The exit code: 0, or `INTERRUPTED`.
 
     Raises:
-        InputError: there is no run, it is in use, or its latest checkpoint is damaged.
+        InputError: there is no run, it is in use, what it learns was changed, or its latest checkpoint is damaged.
     """
     config = run.open().changed(steps=steps)
     with alone(run.path):
+        _check_changes(run, config, console)
         run.remove_unfinished()
         checkpoint = run.latest_checkpoint()
         from_step = 0 if checkpoint is None else int(read_counts(checkpoint)["num_timesteps"])
@@ -90,6 +92,19 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
                 session.restore(checkpoint)
             run.add_session(config, from_step, session.world_seed)
             return session.learn()
+
+
+def _check_changes(run: RunFolder, config: TrainingConfig, console: Console) -> None:
+    """Say which settings were changed since the run began; refuse another task or network."""
+    changed = [name for name in run.changed_settings(config) if name != "steps"]
+    decisive = [name for name in changed if name.split(".")[0] in _TASK or ".network" in name]
+    if decisive:
+        raise InputError(
+            f"{run.config_file} has other values of {', '.join(decisive)} than the run began with; "
+            f"allowed: those in {run.repeat_file}, or a new run: train {run.config_file} --output FOLDER"
+        )
+    if changed:
+        console.print(f"changed since the run began: {', '.join(changed)}", soft_wrap=True)
 
 
 def parse_seeds(text: str) -> list[int]:
