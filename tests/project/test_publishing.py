@@ -25,6 +25,27 @@ def test_a_workflow_makes_what_there_is_to_make_and_may_only_read(path: Path) ->
     assert yaml.safe_load(path.read_text(encoding="utf-8"))["permissions"] == {"contents": "read"}
 
 
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
+def test_actions_of_others_are_pinned_by_commit(path: Path) -> None:
+    used = [str(step["uses"]) for step in steps(path) if "uses" in step]
+    assert used and all(re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", action) for action in used)
+
+
+def test_what_is_released_is_built_apart_with_pinned_tools() -> None:
+    text = (ROOT / ".github/workflows/release.yml").read_text(encoding="utf-8")
+    jobs = yaml.safe_load(text)["jobs"]
+    (build,) = [job for job in jobs.values() if any("-m build" in str(step.get("run")) for step in job["steps"])]
+    assert "permissions" not in build and not any("make test" in str(step.get("run")) for step in build["steps"])
+    commands = "\n".join(str(step.get("run", "")) for step in build["steps"])
+    assert "SOURCE_DATE_EPOCH=" in commands
+    assert all("==" in tool for tool in re.findall(r"pip install (.+)", commands)[0].split())
+    checkouts = [step for job in jobs.values() for step in job["steps"] if "checkout@" in str(step.get("uses"))]
+    assert all(step["with"]["persist-credentials"] is False for step in checkouts)
+    for name, job in jobs.items():
+        if "id-token" in job.get("permissions", {}):
+            assert all("run" not in step for step in job["steps"]), name
+
+
 def test_every_python_that_is_named_is_tested() -> None:
     tested = yaml.safe_load((ROOT / ".github/workflows/test.yml").read_text(encoding="utf-8"))
     versions = tested["jobs"]["test"]["strategy"]["matrix"]["python"]
