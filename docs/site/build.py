@@ -37,6 +37,8 @@ PAGES = {"README.md": "index.md"} | {name: name for name in OTHERS}
 """Pages outside docs/: where they lie in the repository, and in the site."""
 PLAIN = ("LICENSE", "CITATION.cff")
 SHOWN = (".svg", ".webp", ".jpg", ".css", ".js")
+SEARCH = {"questions.md": "boost: 4", "tables.md": "exclude: true", "CHANGELOG.md": "exclude: true"}
+"""Front matter of pages for the search: first come answers and the glossary."""
 EXPLAINED = "\n\n" + "\n".join(f"*[{word}]: {TERMS[word]}" for word in ("NEES", "RMSE", "nats")) + "\n"
 """Terms that a reader finds explained under the pointer, wherever they stand."""
 LINK = re.compile(r"(\]\()([^)#:\s]+)(#[^)]*)?\)")
@@ -60,7 +62,9 @@ def _texts() -> dict[str, str]:
     texts = {place: with_mathml(text) for place, text in (texts | environment_pages.pages()).items()}
     made = {"gallery.md": gallery.page(), "leaderboard.md": leaderboard.page()}
     made |= {"examples.md": example_pages.page(), "api.md": _api()}
-    return {place: text + EXPLAINED for place, text in (texts | made | notebook_pages.pages()).items()}
+    texts |= made | notebook_pages.pages()
+    heads = {place: f"---\nsearch: {{{rule}}}\n---\n\n" for place, rule in SEARCH.items()}
+    return {place: heads.get(place, "") + text + EXPLAINED for place, text in texts.items()}
 
 
 def _files() -> dict[str, bytes]:

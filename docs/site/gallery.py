@@ -80,8 +80,9 @@ def page() -> str:
     return (
         "---\nhide: [toc]\n---\n\n# Gallery of maneuvers\n\n"
         f"One patient of the cohort `trismus`, moved by each maneuver: {SHOWN_S:g} s, at twice their speed. The "
-        "bluer a muscle, the better it is known. Below each film are the targets over time, and what 200 patients gave "
-        "([all figures](tables.md#headline)). `jawenv play NAME` shows one in a window, `jawenv live --driver NAME` "
+        "bluer a muscle, the better it is known. Below each film are the targets over time, and what "
+        f"{_patients()} patients gave ([all figures](tables.md#headline)). "
+        "`jawenv play NAME` shows one in a window, `jawenv live --driver NAME` "
         f"lets you take over.\n\n{_banner()}"
         f'<div class="gallery">\n{cards}\n</div>\n\n'
         "How to write one of your own: [maneuvers](agents/README.md#write-a-maneuver).\n"
@@ -181,6 +182,11 @@ def _chart(maneuver: Maneuver) -> str:
     drawn = picture(figure, maneuver.name, f"Targets of {maneuver.title} over {DRAWN_S:g} s", css)
     legend = " ".join(names) or "all targets stay at rest"
     return f'{drawn}<p class="legend">{legend}, {DRAWN_S:g} s</p>'
+
+
+def _patients() -> str:
+    """How many patients the table is of."""
+    return re.search(r": (\d+) patients", TABLE.read_text(encoding="utf-8"))[1]  # type: ignore[index]
 
 
 def _figures() -> dict[str, dict[str, str]]:

@@ -14,8 +14,11 @@ from jawenv.seeds import REPORTS
 app = command_line("Drive a simulated jaw, play and score maneuvers, identify muscles from a recording.")
 
 
+OPENS_WITH = {"cohort": "one_sided"}  # the first level of the game
+
+
 @app.command("live")
-@options.takes_world()
+@options.takes_world(defaults=OPENS_WITH)
 def live_command(
     world: dict[str, Any],
     recording: Annotated[
@@ -32,14 +35,13 @@ def live_command(
     """Drive the jaw of a patient by hand, on a page of this machine (docs/live.md). Ctrl-C ends it."""
     from jawenv.commands.live import drive, play_back
     from jawenv.envs.configuration import Configuration
-    from jawenv.live.levels import GAME
     from jawenv.live.setup import Setup
 
     if recording is not None:
         play_back(recording, port, open_browser)
     else:
         drive(
-            Setup(Configuration.from_mapping({"cohort": GAME[0].cohort} | world), seed),
+            Setup(Configuration.from_mapping(OPENS_WITH | world), seed),
             driver,
             port,
             output,

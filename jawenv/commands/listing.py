@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from jawenv.errors import not_among
+from jawenv.ladder import title_of_env
 
 if TYPE_CHECKING:
     from jawenv.playing.policies.card import ModelCard
@@ -45,12 +46,8 @@ def _agents() -> dict[str, str]:
     from jawenv.playing.policies.card import SHIPPED, policy_names, read_card
 
     listed = {name: _scored(read_card(SHIPPED / name)) for name in policy_names()}
-    return (
-        listed
-        | dict(DESCRIPTIONS)
-        | _maneuvers()
-        | {"": "those above come with the library; planners run from a clone (agents/README.md)"}
-    )
+    others = "each maneuver plays as an agent, too; planners run from a clone (agents/README.md)"
+    return listed | dict(DESCRIPTIONS) | {"": others}
 
 
 def _scored(card: ModelCard) -> str:
@@ -58,10 +55,12 @@ def _scored(card: ModelCard) -> str:
     reached = {result.metric: result.mean if result.median is None else result.median for result in card.results}
     sd = next((value for name, value in reached.items() if name.startswith("largest") and "10 s" in name), None)
     discomfort = next((value for name, value in reached.items() if name.startswith("discomfort")), None)
+    world = card.environment
+    asked = ", one muscle asked" if "asked" in world.others else ""
     known = "" if sd is None else f"worst sd {sd:.1f} % after 10 s, "
-    cost = "" if discomfort is None else f"discomfort {discomfort:.2f} s: "
+    cost = "" if discomfort is None else f"discomfort {discomfort:.2f} s; "
     what = "learned" if card.residual is None else f"learned, corrects {card.residual.maneuver.name}"
-    return f"{known}{cost}{what}, on {card.environment.cohort}, {card.environment.control}"
+    return f"{title_of_env(world.id)}, {world.cohort}{asked}, {world.control}: {known}{cost}{what}"
 
 
 def _cohorts() -> dict[str, str]:

@@ -30,18 +30,21 @@ ENV = Annotated[
 ENVIRONMENT = "env"
 
 
-def takes_world(*without: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def takes_world(
+    *without: str, defaults: Mapping[str, str] | None = None
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Decorator of a command with a parameter ``world``: it has an option for each argument of a world instead.
 
     The command gets a mapping of those that were given, ``env`` among them, as ``Configuration.from_mapping`` takes it.
 
     Args:
         without: arguments that the command sets itself.
+        defaults: of arguments that have another default in this command, for the help.
     """
 
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         stated = inspect.signature(command, eval_str=True)
-        options = _options(without)
+        options = _options(without, defaults or {})
         parameters = [parameter for parameter in stated.parameters.values() if parameter.name != "world"]
         index = next(
             (i for i, parameter in enumerate(parameters) if parameter.default is not parameter.empty), len(parameters)
@@ -62,11 +65,13 @@ def takes_world(*without: str) -> Callable[[Callable[..., Any]], Callable[..., A
     return decorated
 
 
-def _options(without: tuple[str, ...]) -> list[inspect.Parameter]:
+def _options(without: tuple[str, ...], defaults: Mapping[str, str]) -> list[inspect.Parameter]:
     from jawenv.envs.configuration import Configuration
 
     kinds = {ENVIRONMENT: ENV} | {
-        argument.name: _option(argument) for argument in fields(Configuration) if argument.metadata["option"]
+        argument.name: _option(argument, defaults.get(argument.name, argument.default))
+        for argument in fields(Configuration)
+        if argument.metadata["option"]
     }
     return [
         inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=None, annotation=kind)
@@ -75,12 +80,12 @@ def _options(without: tuple[str, ...]) -> list[inspect.Parameter]:
     ]
 
 
-def _option(argument: Field[Any]) -> Any:
+def _option(argument: Field[Any], default: Any) -> Any:
     """The option of an argument: its name, its help and its kind of value."""
     metadata, name = argument.metadata, f"--{argument.name.replace('_', '-')}"
     kind = {"fields": list[str], "number": float}.get(metadata["option"], str)
-    default = "" if argument.default is None else f" [default: {argument.default}]"
-    return Annotated[kind | None, typer.Option(name, help=metadata["help"] + default, metavar=metadata["metavar"])]
+    said = "" if default is None else f" [default: {default}]"
+    return Annotated[kind | None, typer.Option(name, help=metadata["help"] + said, metavar=metadata["metavar"])]
 
 
 def _world(arguments: Mapping[str, Any]) -> dict[str, Any]:

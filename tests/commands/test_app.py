@@ -11,8 +11,9 @@ import eval.commands.app
 import training.cli
 from jawenv.anatomy import COHORTS
 from jawenv.commands import live
-from jawenv.commands.app import main
+from jawenv.commands.app import OPENS_WITH, main
 from jawenv.ladder import MODELS
+from jawenv.live.levels import GAME
 from jawenv.live.session import DriveSession
 from jawenv.live.setup import Setup
 from jawenv.playing.excitation import BASELINES
@@ -33,6 +34,8 @@ def test_list_alone_names_every_kind(capsys):
     assert main(["list"]) == 0
     said = capsys.readouterr().out
     assert all(f"{kind}:\n" in said for kind in ("maneuvers", "agents", "cohorts", "models"))
+    names = [line.split()[0] for line in said.splitlines() if not line.startswith(" ")]
+    assert all(names.count(name) == 1 for name in maneuver_names())
 
 
 @pytest.mark.parametrize("command_line", [main, eval.commands.app.main, training.cli.main])
@@ -46,7 +49,11 @@ def test_every_command_line_says_its_version_and_its_help(command_line, capsys):
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a system without /dev/full")
 def test_a_full_disk_behind_the_standard_output_is_one_line():
     with open("/dev/full", "w") as full:
-        command = [sys.executable, "-c", "from jawenv.commands.app import main; raise SystemExit(main(['list']))"]
+        command = [
+            sys.executable,
+            "-c",
+            "from jawenv.commands.app import main; raise SystemExit(main(['list']))",
+        ]
         ran = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=600)
     assert ran.returncode == 2
     assert ran.stderr == "error: the standard output cannot be written: No space left on device\n"
@@ -55,10 +62,12 @@ def test_a_full_disk_behind_the_standard_output_is_one_line():
 def test_list_of_agents_says_where_the_rest_is(capsys):
     assert main(["list", "agents"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines[:-1]] == [*policy_names(), *BASELINES, *maneuver_names()]
+    assert [line.split()[0] for line in lines[:-1]] == [*policy_names(), *BASELINES]
     assert "from a clone" in lines[-1]
     (trismus,) = (line for line in lines if line.startswith("ppo_trismus"))
     assert "worst sd 1.9 % after 10 s, discomfort 0.01 s" in trismus and "corrects refined" in trismus
+    assert all(any(cohort in line for cohort in COHORTS) for line in lines if line.startswith(("apg", "ppo")))
+    assert any(line.startswith("apg_asked") and "one muscle asked" in line for line in lines)
 
 
 @pytest.mark.parametrize(("name", "id"), [("ppo_force", "Jaw-v3"), ("ppo_imaged", "JawImaged-v3"), ("zero", "Jaw-v3")])
@@ -112,6 +121,12 @@ def test_identify_prints_estimate_sd_and_truth(tmp_path, capsys, knowledge):
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == f"{path}: 1 s at 100 Hz"
     assert sum(line.startswith(("F_o/", "b/")) and len(line.split()) == 5 for line in lines) == 12
+
+
+def test_lives_help_says_whom_the_page_opens_with(capsys):
+    assert main(["live", "--help"]) == 0
+    said = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert OPENS_WITH["cohort"] == GAME[0].cohort and f"[default: {GAME[0].cohort}]" in said
 
 
 def test_live_drives_until_it_is_interrupted(tmp_path, capsys, monkeypatch):
@@ -178,7 +193,7 @@ def test_play_shows_an_episode(capsys, monkeypatch):
 )
 def test_a_missing_extra_is_one_line_and_exit_2(package, command, extra):
     blocked = f"import sys; sys.modules[{package!r}] = None\n"
-    code = f"{blocked}from jawenv.commands.app import main\nsys.exit(main({command!r}))"
+    code = f"{blocked}from jawenv.commands.app import OPENS_WITH, main\nsys.exit(main({command!r}))"
     environment = {"DISPLAY": ":0", "PATH": "/usr/bin:/bin", "HOME": "/tmp"}
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=120)
     assert ran.returncode == 2 and f'pip install "jawenv[{extra}]"' in ran.stderr and ran.stderr.count("\n") == 1

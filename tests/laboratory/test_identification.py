@@ -34,7 +34,7 @@ def test_a_sound_recording_is_believed():
     assert found.numbers == 1001 * 12 + 1000 * 6
     np.testing.assert_array_equal(found.estimate.mean, estimate.mean)
     np.testing.assert_array_equal(found.estimate.cov, estimate.cov)
-    assert len(findings(record())) == 6
+    assert len(findings(record())) == 7
 
 
 @pytest.mark.parametrize("name", [name for name, _ in spoilt(record(), 1.0) if "gain" not in name])
@@ -64,7 +64,23 @@ def test_only_what_was_read_is_judged(column):
     measured = record().measured.copy()
     measured[:, {"pitch": slice(3, 6), "place": slice(0, 3), "velocity": slice(6, 9)}[column]] = np.nan
     found = findings(replace(record(), measured=measured))
-    assert all(each.plausible for each in found) and len(found) == (6 if column == "velocity" else 5)
+    assert all(each.plausible for each in found) and len(found) == (7 if column == "velocity" else 6)
+
+
+def test_radians_and_too_few_rows_are_told():
+    measured = record().measured.copy()
+    measured[:, 3:6] = np.radians(measured[:, 3:6])
+    (told,) = [finding for finding in findings(replace(record(), measured=measured)) if not finding.plausible]
+    assert told.columns == "pitch_deg" and "no radians" in told.allowed
+    few = replace(
+        record(),
+        **{name: getattr(record(), name)[:3] for name in ("time", "measured")},
+        samples=record().samples[:2],
+        states=None,
+        wrenches=None,
+    )
+    (short,) = [finding for finding in findings(few) if not finding.plausible]
+    assert short.value == "0.02 s, 3 rows" and "too short to judge" in short.allowed
 
 
 def saved(tmp_path, record, truth=False):

@@ -3,6 +3,7 @@
 Blocks run in the order of their page, in one namespace, with short episodes.
 """
 
+import ast
 import functools
 import json
 import re
@@ -95,6 +96,15 @@ def test_python_examples_run(page: Path, short: Path) -> None:
             exec(compile(block.text, block.place, "exec"), names)
     else:
         run(blocks(page, "python"))
+
+
+def test_the_readmes_first_block_prints_what_stands_below_it(capsys: pytest.CaptureFixture[str]) -> None:
+    block = blocks(ROOT / "README.md", "python")[0].text
+    said = re.search(r"^# (\{.*), \.\.\.$", block, flags=re.M)[1]
+    exec(compile(block, "README.md", "exec"), {"__name__": "example"})
+    printed = ast.literal_eval(capsys.readouterr().out)
+    for name, sd in ast.literal_eval(said + "}").items():
+        assert printed[name] == pytest.approx(sd, abs=0.002), name
 
 
 def test_examples_that_need_only_the_wheel_run_without_anything_else(tmp_path: Path) -> None:

@@ -114,6 +114,20 @@ def test_no_element_of_a_page_breaks_an_accessibility_rule_seriously(site: Path,
     tab.context.close()
 
 
+def test_a_tab_has_one_name_and_the_search_leads_to_the_glossary(site: Path) -> None:
+    tab = new_page()
+    tab.goto((site / "index.html").as_uri())
+    assert tab.title() == "jawenv"
+    tab.goto((site / "questions.html").as_uri())
+    assert tab.title() == "Questions and words - jawenv"
+    tab.locator(".md-search__input").click(force=True)
+    tab.locator(".md-search__input").press_sequentially("what is NEES")
+    first = tab.locator(".md-search-result__link").first
+    first.wait_for()
+    assert "questions.html" in first.get_attribute("href")
+    tab.context.close()
+
+
 def test_formulas_need_no_script(site: Path) -> None:
     text = (site / "model.html").read_text(encoding="utf-8")
     assert text.count("<math") > 100 and "$" not in re.sub(r"<script.*?</script>", "", text, flags=re.S)

@@ -132,6 +132,7 @@ class Evaluations(BaseCallback):
         interrupted: an evaluation is given up when it says True.
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
         report: called with steps and row of each evaluation.
+        began_with: what the untrained policy plays, in words.
 
     Attributes:
         best: score of the best policy, and its steps; None before the first row.
@@ -152,12 +153,15 @@ class Evaluations(BaseCallback):
         interrupted: Callable[[], bool] = lambda: False,
         largest_discomfort_s: float | None = None,
         report: Report | None = None,
+        began_with: str = "the untrained policy",
     ) -> None:
         super().__init__()
         self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
         self._progress, self._interrupted, self._report = progress, interrupted, report
         self._limit = largest_discomfort_s
         self.best: tuple[PolicyScore, int] | None = None
+        self._first: PolicyScore | None = None
+        self._began_with = began_with
         self.last: int | None = None
         for row in read_evaluations(run.path):
             self.last = int(row["steps"])
@@ -208,6 +212,7 @@ class Evaluations(BaseCallback):
         score = PolicyScore(True, row["return"])
         if self._limit is not None and row.get("discomfort_s", 0.0) > self._limit:
             score = PolicyScore(False, -row["discomfort_s"])
+        self._first = self._first or score
         if self.best is not None and score <= self.best[0]:
             return False
         self.best = (score, int(row["steps"]))
@@ -225,5 +230,10 @@ class Evaluations(BaseCallback):
             writer.writerow({"steps": self.last} | {name: f"{value:.6g}" for name, value in row.items()})
 
     def _show_best(self) -> None:
-        if self.best is not None:
-            self._progress.note("best", f"best evaluation: {self.best[0].in_words()} at {self.best[1]:,}")
+        if self.best is None or self._first is None:
+            return
+        score, steps = self.best
+        said = f"as good as {self._began_with}, so far: {score.in_words()}"
+        if steps:
+            said = f"best: {score.in_words()} at {steps:,}; {self._began_with} had {self._first.in_words()}"
+        self._progress.note("best", said)

@@ -269,6 +269,7 @@ class TrainingSession:
             interrupted=interrupted,
             largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
             report=report,
+            began_with="the untrained policy" if self.base is None else "the movement that it began with",
         )
 
     def keep(self) -> None:

@@ -27,6 +27,10 @@ OPENING = 2e-3
 LEAST_WORK_SHARE = -0.2
 """Work of the device on an opening jaw over its magnitude: a passive jaw gives back what it has stored, and no more."""
 SMOOTHING_S, FEWEST_ROWS = 0.1, 20
+SHORTEST_S = 1.0
+"""Of a recording that can be judged."""
+MOVES_MM, TURNS = 5.0, 0.2
+"""A mouthpiece that moves so far up and down turns by at least this share of a hinge's angle; radians are a 57th."""
 MOST = 99.0
 """Per cent of the readings that are looked at: of a few that are far off the filter makes nothing."""
 
@@ -54,7 +58,13 @@ def findings(record: Record) -> list[Finding]:
     rate = Finding(
         "time_s", f"{hz:.4g} Hz", "20 to 1000 Hz: seconds, no frame numbers", SLOWEST <= hz * 1.001 <= FASTEST
     )
-    return [rate, *_place(record), *_pitch(record), *_wrench(record), *_work(record)]
+    return [rate, _length(record), *_place(record), *_pitch(record), *_wrench(record), *_work(record)]
+
+
+def _length(record: Record) -> Finding:
+    seconds, rows = float(record.time[-1] - record.time[0]), len(record.time)
+    allowed = f"{SHORTEST_S:g} s or more: less is too short to judge"
+    return Finding("length", f"{seconds:.3g} s, {rows:,} rows", allowed, seconds >= SHORTEST_S - 0.5 * record.dt)
 
 
 def _place(record: Record) -> list[Finding]:
@@ -74,12 +84,15 @@ def _pitch(record: Record) -> list[Finding]:
     if np.isnan(pitch).all():
         return []
     low, high = np.nanpercentile(pitch, (100.0 - MOST, MOST))
+    place = 1e3 * record.measured[:, 2]
+    moved = 0.0 if np.isnan(place).all() else float(np.ptp(np.nanpercentile(place, (100.0 - MOST, MOST))))
+    hinge = np.degrees(moved / (1e3 * float(record.jaw["mouthpiece"][0])))
+    if moved >= MOVES_MM and high - low < TURNS * hinge:
+        value = f"turns {high - low:.2g} deg while the mouthpiece moves {moved:.2g} mm"
+        return [Finding("pitch_deg", value, f"about {hinge:.0f} deg: degrees, no radians", False)]
     allowed = f"{LOWEST_PITCH:g} to {HIGHEST_PITCH:g} deg: degrees, positive while open"
-    return [
-        Finding(
-            "pitch_deg", f"{low:.3g} to {high:.3g} deg", allowed, bool(low >= LOWEST_PITCH and high <= HIGHEST_PITCH)
-        )
-    ]
+    plausible = bool(low >= LOWEST_PITCH and high <= HIGHEST_PITCH)
+    return [Finding("pitch_deg", f"{low:.3g} to {high:.3g} deg", allowed, plausible)]
 
 
 def _wrench(record: Record) -> list[Finding]:
