@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import webbrowser
 from collections.abc import Mapping
 from pathlib import Path
@@ -67,7 +68,14 @@ def _show(page: _Page, server: Any, open_browser: bool) -> None:
     print(f"the jaw is at {url} on this machine; Ctrl-C ends it", flush=True)
     if open_browser:
         webbrowser.open(url)
+    before = signal.signal(signal.SIGTERM, _interrupt)  # as Ctrl-C: what was driven is saved
     try:
         page.run()
     except KeyboardInterrupt:
         page.stop()
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt

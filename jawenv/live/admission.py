@@ -153,7 +153,9 @@ def _is_finite(camera: _Camera) -> bool:
 
 
 def _has(control: Any, value: bool | float | str) -> bool:
-    """Whether a control can have a value."""
+    """Whether a control is seen and can have a value."""
+    if control is None or not control.visible:
+        return False
     if isinstance(control, viser.GuiButtonHandle):
         return value is True
     if isinstance(control, viser.GuiCheckboxHandle):

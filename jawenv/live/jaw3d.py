@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
+from jawenv.live.panels import muscle_name
 from jawenv.playing.agents import Array
 from jawenv.rendering import outlines, palette
 from jawenv.rendering.mesh import Mesh, loft
@@ -25,6 +26,7 @@ _AROUND, _ABOVE = 0.7, 2.3  # intensities of the lights
 _LIGHT_AT = (3.0, -6.0, 6.0)  # from the viewer's upper left
 _BONE = palette.mix(palette.BONE_SHADOW, palette.BONE_LIGHT, 0.6)
 _GHOST_OPACITY = 0.28
+_NAME_APART, _NAME_SIZE = 0.12, 0.8
 _BONE_PLATE: palette.Colour = (168, 156, 134)
 
 
@@ -54,6 +56,7 @@ class Jaw3D:
         self._plate = self._add_mesh("/mouthpiece", outlines.mouthpiece(), palette.PLATE_LIGHT)
         spindle = _spindle()
         self._muscles = [self._add_mesh(f"/muscles/{i}", spindle, palette.ACCENT) for i in range(self._lines)]
+        self._add_names(scene)
         self._force = self._viser.add_arrows(
             f"{root}/force",
             _arrow(scene.mouthpiece_m, np.array([0.0, 0.0, -0.01])),
@@ -122,6 +125,21 @@ class Jaw3D:
             path = 1000.0 * scene.path_m(outlines.PATH_X_MM / 1000.0)
             curve = np.column_stack([outlines.PATH_X_MM, np.full_like(path, y), path])
             self._add_line(f"/skull/path_{side}", curve, palette.FOSSA)
+
+    def _add_names(self, scene: Scene) -> None:
+        """Names of the muscles at their origins on the skull, a little outside; of lines that share one, once."""
+        for muscle in dict.fromkeys(scene.muscle_names):
+            i = scene.muscle_names.index(muscle)
+            place = scene.muscle_origin_m[i] * UNITS_PER_M + np.array([0.0, _NAME_APART, 0.0]) * np.sign(
+                scene.muscle_origin_m[i][1]
+            )
+            self._viser.add_label(
+                f"{self._root}/names/{muscle}",
+                muscle_name(muscle),
+                position=tuple(place.tolist()),
+                font_screen_scale=_NAME_SIZE,
+                anchor="bottom-center",
+            )
 
     def _add_mesh(self, name: str, mesh: Mesh, colour: palette.Colour, opacity: float | None = None) -> Any:
         faces = np.vstack([mesh.faces[:, :3], mesh.faces[:, [0, 2, 3]]])

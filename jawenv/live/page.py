@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import queue
 import threading
 import time
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,6 @@ _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
 _NOBODY = "nobody"
 _BUTTONS = ("Pause", "Step", "Again", "Next", "Save")
-_MOST_WISHES = 100  # between two steps; more are dropped
 _BEGIN = "With the first key or slider the time begins. The aim is to make every muscle blue."
 _AGAIN = "Again: the same patient once more. Next: another one."
 
@@ -63,7 +63,7 @@ class Page:
         agents: Mapping[str, Agent] | None = None,
     ) -> None:
         self._saves = Saves(folder)
-        self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WISHES)
+        self._wishes: OrderedDict[Any, Callable[[], None]] = OrderedDict()  # what it is for -> what to do
         self._stopped = threading.Event()
         self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[DriveOutcome]()
         self._hidden_s = level_of(setup).hidden_s
@@ -79,19 +79,18 @@ class Page:
         self._show()
 
     def run(self) -> None:
-        """Drive in real time until ``stop``; what was driven is saved where an error ends it."""
+        """Drive in real time until ``stop``; what was driven is saved, whatever ends it."""
         try:
             self._run()
-        except Exception:
+        finally:
             with contextlib.suppress(InputError):  # nothing was driven, or it cannot be written
                 self._saves.save(self.session)
-            raise
 
     def _run(self) -> None:
         due = time.perf_counter()
         while not self._stopped.is_set():
-            while not self._wishes.empty():
-                self._fulfil(self._wishes.get())
+            while self._wishes:
+                self._fulfil(self._wishes.popitem(last=False)[1])
             if self._drives():
                 self.step()
             due = max(due + self.period_s, time.perf_counter() - self.period_s)
@@ -137,13 +136,19 @@ class Page:
             self._view.show_ghost(self._ghost.drive())
         if down or self.session.driver != BY_HAND:
             self._set_sliders(hand if down else self._shown.targets)
-        self._show()
         self._question.follow(self._shown)
+        self._show()
         if self.session.ended:
             self._end()
 
     def _show(self) -> None:
-        self._view.show(self._shown, self._remark, self._hidden_s)
+        question = self._question
+        self._view.show(self._shown, self._remark, self._hidden_s, question.unanswered, question.open)
+
+    def _want_score(self, event: Any) -> None:
+        """Leave the wish for the score's picture, one for each browser."""
+        if event.client is not None and self._picture.visible:
+            self._wishes.setdefault(event.client.client_id, partial(self._send_score, event.client))
 
     def _send_score(self, client: Any) -> None:
         """Let a browser keep the score as a picture."""
@@ -250,18 +255,17 @@ class Page:
                 slider.value = rounded
 
     def _wish(self, wish: Callable[[], None]) -> Callable[[Any], None]:
-        """A callback of viser's that leaves a wish, if a browser is behind it."""
+        """A callback of viser's that leaves a wish, if a browser is behind it; one of a kind waits at a time."""
 
         def leave(event: Any) -> None:
             if event.client is not None:
-                with contextlib.suppress(queue.Full):
-                    self._wishes.put_nowait(wish)
+                self._wishes.setdefault(wish, wish)
 
         return leave
 
     def _lay_out(self, gui: Any) -> None:
         self._steps_card = gui.add_html("", order=self._view.below_status)
-        self._question = Question(gui, self._wish, self._view.below_status)
+        self._question = Question(gui, self._wish, self._view.below_status, self._show)
         self._view.on_colour(self._wish(self._show))
         self._sliders = [
             gui.add_slider(name, low, HIGHEST, _STEP, 0.0) for name, low in zip(_SLIDERS, LOWEST, strict=True)
@@ -274,11 +278,16 @@ class Page:
         self._ghosts = gui.add_dropdown("Ghost", (_NOBODY, *self._drivers()[1:]), initial_value=_NOBODY)
         self._ghosts.on_update(self._wish(self._call_ghost))
         self._buttons = gui.add_button_group("Drive", _BUTTONS)
-        self._buttons.on_click(self._wish(lambda: self._button_wishes()[self._buttons.value]()))
+        self._buttons.on_click(lambda event: self._buttons_clicked(event.target.value, event.client))
         self._score = gui.add_html("")
         self._picture = gui.add_button("Score as a picture", visible=False)
-        self._picture.on_click(lambda event: self._wish(lambda: self._send_score(event.client))(event))
+        self._picture.on_click(self._want_score)
         self._choices = Choices(gui, self.session.setup, self._wish, self._change)
+
+    def _buttons_clicked(self, button: str, client: Any) -> None:
+        """Leave the wish of the button that was clicked, whichever is clicked next."""
+        if client is not None:
+            self._wishes.setdefault(button, self._button_wishes()[button])
 
     def _button_wishes(self) -> dict[str, Callable[[], None]]:
         wishes = (self._pause, self._single_step, self._begin, self._choices.next_patient, self._save)

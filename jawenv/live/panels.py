@@ -21,8 +21,13 @@ _CARD = (
 _SHORT = {"anterior": "ant.", "posterior": "post.", "medial": "med.", "superficial": "sup.", "left": "L", "right": "R"}
 
 
-def posterior_html(scene: Scene) -> str:
-    """A row for each muscle, a bar for each of its two parameters: longer and bluer the better it is known."""
+def posterior_html(scene: Scene, secret: bool = False) -> str:
+    """A row for each muscle, a bar for each of its two parameters: longer and bluer the better it is known.
+
+    Args:
+        scene: the moment.
+        secret: whether the estimates would tell the answer of a question that is still open.
+    """
     worst = float(scene.prior_sd.max())
     index = {name: i for i, name in enumerate(scene.parameter_names)}
     head = f"<tr><th></th>{_heads(_POSTERIOR_HEADS)}</tr>"
@@ -31,10 +36,10 @@ def posterior_html(scene: Scene) -> str:
         cells = []
         for parameter in ("log_F_o", "log_b"):
             i = index[f"{parameter}/{muscle}"]
-            value = f"{math.exp(float(scene.belief_mean[i])):#.3g}".rstrip(".")
+            value = "?" if secret else f"{math.exp(float(scene.belief_mean[i])):#.3g}".rstrip(".")
             sd = _sd_cell(float(scene.belief_sd[i]), worst)
             cells.append(f"<td style='text-align:right;padding-left:8px'>{value}</td>{sd}")
-        rows.append(f"<tr><th style='{_NAME}'>{escape(_name(muscle))}</th>{''.join(cells)}</tr>")
+        rows.append(f"<tr><th style='{_NAME}'>{escape(muscle_name(muscle))}</th>{''.join(cells)}</tr>")
     counts = " · ".join(f"{int((scene.belief_sd <= sd).sum())} within {100 * sd:.0f} %" for sd in KNOWN)
     title = f"<b>Posterior</b> <span data-known>of {len(scene.parameter_names)}: {counts}</span>"
     table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'>{head}{''.join(rows)}</table>"
@@ -52,8 +57,10 @@ def strip_html(scene: Scene) -> str:
 
 
 def hidden_html(until_s: float) -> str:
-    """In place of the posterior while it is hidden."""
+    """In place of the posterior while it is hidden; for ``until_s`` 0 until the question is answered."""
     words = f"The bars appear after {until_s:g} s. Until then watch which muscles get thick: they pull."
+    if not until_s:
+        words = "Bars and estimates appear with your answer."
     return f"<div id='posterior' style='{_CARD}'><b>Posterior</b> hidden<div>{words}</div></div>"
 
 
@@ -74,15 +81,14 @@ def answer_html(rows: Sequence[AnsweredMuscle]) -> str:
         mark = "&#10003;" if row.right else "&#10007;"
         cells = (
             f"<span style='color:{colour}'>{mark} {_word(row.said)}</span>",
-            f"{_word(row.stiff)} {row.true_F_o_N:#.3g}",
-            f"{row.F_o_N:#.3g} ± {100 * row.sd:.1f} %",
+            f"{_word(row.stiff)} {row.true_F_o_N:.2f}",
+            f"{row.F_o_N:.2f} ± {100 * row.sd:.0f} %",
         )
         tds = "".join(f"<td style='{_FIGURE}'>{cell}</td>" for cell in cells)
-        lines.append(f"<tr><th style='{_NAME}'>{escape(_name(row.muscle))}</th>{tds}</tr>")
-    title = (
-        f"<b>{sum(row.right for row in rows)} of {len(rows)} right</b> stiff: F<sub>o</sub> above {rows[0].limit_N:g} N"
-    )
-    head = "".join(f"<th style='text-align:right'>{word}</th>" for word in ("", "you say", "truth, N", "filter, N"))
+        lines.append(f"<tr><th style='{_NAME}'>{escape(muscle_name(row.muscle))}</th>{tds}</tr>")
+    right = f"<b>{sum(row.right for row in rows)} of {len(rows)} right</b>"
+    title = f"{right} F<sub>o</sub> in N, stiff above {rows[0].limit_N:g} N"
+    head = "".join(f"<th style='text-align:right'>{word}</th>" for word in ("", "you say", "truth", "filter"))
     table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'><tr>{head}</tr>{''.join(lines)}</table>"
     return f"<div id='answer' style='{_CARD}'>{title}{table}</div>"
 
@@ -135,11 +141,11 @@ def status_html(shown: Shown, remark: str = "") -> str:
     worst = f"{100 * outcome.worst_sd:.1f}"
     allowed = LARGEST_DISCOMFORT_S * scene.episode_s / 30.0
     costly = [_limit(name) for name, used in scene.comfort.items() if used > 1.0]
-    below = (
-        f"<span style='color:var(--live-remark)'>{' and '.join(costly)}</span>"
-        if costly
-        else f"allowed {allowed:.2g} s"
-    )
+    below = f"allowed {allowed:.2g} s"
+    if costly:
+        below = f"<span style='color:var(--live-remark)'>{' and '.join(costly)}</span>"
+    elif shown.spent_on:
+        below = f"{'all' if len(shown.spent_on) == 1 else 'spent'} on {' and '.join(map(_limit, shown.spent_on))}"
     discomfort = f"{outcome.discomfort_s:.2f} s"
     if outcome.discomfort_s > allowed:
         discomfort = f"<span style='color:var(--live-remark)'>{discomfort}</span>"
@@ -253,7 +259,8 @@ def _seconds(time: float) -> str:
     return f"{time:.1f} s" if math.isfinite(time) else "–"
 
 
-def _name(muscle: str) -> str:
+def muscle_name(muscle: str) -> str:
+    """A muscle's name, shortened."""
     return " ".join(_SHORT.get(word, word) for word in muscle.split("_"))
 
 

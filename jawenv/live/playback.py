@@ -51,9 +51,8 @@ class Playback:
         ten, five = (float(time_to(sds[None], estimate.time[: index + 1], threshold)[0]) for threshold in KNOWN)
         reached = DriveOutcome(self._name, (ten, five), float(sds[-1].max()), 0.0, time, False)
         last = index == len(self) - 1
-        return Shown(
-            self._scene(index), np.zeros(4), self._name, reached, 0.0, last, "the recording is over" if last else ""
-        )
+        why = "the recording is over" if last else ""
+        return Shown(self._scene(index), np.zeros(4), self._name, reached, 0.0, (), last, why)
 
     def _scene(self, index: int) -> Scene:
         record, tick = self._record, index * self._every

@@ -20,13 +20,16 @@ class Question:
         gui: of a ``viser.ViserServer``.
         leave: makes a callback of viser's that hands a wish to the page.
         order: where it stands among the controls.
+        answered: called when the player has answered.
 
     Attributes:
         answer: (M,) of the player; empty before, and where the scene has no truth.
     """
 
-    def __init__(self, gui: Any, leave: Callable[[Callable[[], None]], Any], order: float) -> None:
-        self._gui, self._leave, self._order = gui, leave, order
+    def __init__(
+        self, gui: Any, leave: Callable[[Callable[[], None]], Any], order: float, answered: Callable[[], None]
+    ) -> None:
+        self._gui, self._leave, self._order, self._answered = gui, leave, order, answered
         self._card = gui.add_html("", order=order)
         self._folder: Any = None
         self._shown: Shown | None = None
@@ -37,6 +40,16 @@ class Question:
         self._close()
         self._card.content, self._asked = "", False
         self.answer: list[AnsweredMuscle] = []
+
+    @property
+    def open(self) -> bool:
+        """Whether it stands on the page."""
+        return self._folder is not None
+
+    @property
+    def unanswered(self) -> bool:
+        """Whether it will be asked, or is; not of a scene without truth."""
+        return not self.answer and (self._shown is None or self._shown.scene.truth is not None)
 
     def follow(self, shown: Shown) -> None:
         """Ask as soon as it is time."""
@@ -60,6 +73,7 @@ class Question:
             self.answer = answered(self._shown.scene, [bool(box.value) for box in self._boxes])
             self._card.content = panels.answer_html(self.answer)
             self._close()
+            self._answered()
 
     def _close(self) -> None:
         if self._folder is not None:

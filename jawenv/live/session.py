@@ -13,6 +13,7 @@ import numpy as np
 import jawenv.envs.registration  # noqa: F401  (the ids)
 from jawenv.controls import takes_targets
 from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.shown_world import build_scene
 from jawenv.errors import InputError, not_among
 from jawenv.laboratory.recordings.files import save_record
@@ -28,6 +29,8 @@ from jawenv.playing.maneuvers import Maneuver, maneuver_names
 from jawenv.rendering.scene import Scene
 
 BY_HAND = "you"
+WORTH_NAMING = 0.1
+"""Share of the discomfort from which a limit is named."""
 _LIMITS = np.array(LOWEST), HIGHEST
 
 
@@ -41,6 +44,7 @@ class Shown:
         driver: who drove: ``you``, or the name of a maneuver.
         outcome: what has been reached so far.
         misfit: the filter's alarm, above 1 where nothing that it could believe explains the readings.
+        spent_on: comfort limits that cost a tenth or more of the discomfort so far, the dearest first.
         ended: whether the episode is over.
         why: why it ended; empty while it goes on.
     """
@@ -50,6 +54,7 @@ class Shown:
     driver: str
     outcome: DriveOutcome
     misfit: float
+    spent_on: tuple[str, ...]
     ended: bool
     why: str
 
@@ -90,6 +95,7 @@ class DriveSession:
         self._reached = dict.fromkeys(KNOWN, np.inf)
         self._note_sd(info)
         self._discomfort_s = 0.0
+        self._costs_s = np.zeros(len(COMFORT_LIMITS))
         self._violated, self._ended, self._why = False, False, ""
         self._drivers: set[str] = set()
         self._misfit = 0.0
@@ -159,6 +165,7 @@ class DriveSession:
         self._targets.append(np.clip(self.steering.asked, *_LIMITS))
         self._note_sd(info)
         self._discomfort_s += info["cost"] / self.setup.world.steps_per_s
+        self._costs_s += self._env.simulation.worlds["truth"]["costs"][0] / self.setup.world.steps_per_s
         self._violated |= bool(info["violation"])
         self._misfit = float(info["misfit"])
         self._drivers.add(self.driver)
@@ -177,9 +184,14 @@ class DriveSession:
             self.driver,
             self.outcome(),
             self._misfit,
+            self._spent_on(),
             self._ended,
             self._why,
         )
+
+    def _spent_on(self) -> tuple[str, ...]:
+        dear = np.flatnonzero(self._costs_s > WORTH_NAMING * self._costs_s.sum())
+        return tuple(COMFORT_LIMITS[i] for i in sorted(dear.tolist(), key=lambda i: -self._costs_s[i]))
 
     def outcome(self) -> DriveOutcome:
         """The drive's outcome so far."""

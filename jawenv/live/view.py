@@ -67,10 +67,21 @@ class View:
         """Whether a browser shows the page."""
         return bool(self._server.get_clients())
 
-    def show(self, shown: Shown, remark: str = "", hidden_s: float = 0.0) -> None:
-        """Show a moment, and a remark below the figures; before ``hidden_s`` nothing of what muscles are believed."""
-        hidden = shown.scene.time_s < hidden_s and not shown.ended
-        by_stiffness = self._colour.value == _HOW_STIFF and not hidden
+    def show(
+        self, shown: Shown, remark: str = "", hidden_s: float = 0.0, secret: bool = False, asked: bool = False
+    ) -> None:
+        """Show a moment.
+
+        Args:
+            shown: the moment.
+            remark: below the figures.
+            hidden_s: before that time nothing of what is believed of the muscles is shown.
+            secret: whether the estimates would tell the answer of a question, now or later.
+            asked: whether the question stands on the page: then nothing of the belief is shown.
+        """
+        early = shown.scene.time_s < hidden_s and not shown.ended
+        hidden = early or asked
+        by_stiffness = self._colour.value == _HOW_STIFF and not (hidden or secret)
         now = time.monotonic()
         whole = shown.ended or now - self._whole_at >= _WHOLE_EVERY_S
         if whole:
@@ -79,7 +90,9 @@ class View:
             self._jaw.colours = stiffness_colours if by_stiffness else muscle_colours
             self._jaw.show(shown.scene, whole)
             self._legend.content = panels.legend_html(shown.scene, by_stiffness)
-            self._posterior.content = panels.hidden_html(hidden_s) if hidden else panels.posterior_html(shown.scene)
+            self._posterior.content = (
+                panels.hidden_html(hidden_s if early else 0.0) if hidden else panels.posterior_html(shown.scene, secret)
+            )
             self._strip.content = "" if hidden else panels.strip_html(shown.scene)
             self._comfort.content = panels.comfort_html(shown.scene)
             self._status.content = panels.status_html(shown, remark)

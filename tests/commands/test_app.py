@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 from importlib.metadata import version
 
 import pytest
@@ -19,6 +20,7 @@ from jawenv.live.setup import Setup
 from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.policies.card import policy_names
+from tests.processes import started
 from tests.recorded import BODY
 
 
@@ -127,6 +129,20 @@ def test_lives_help_says_whom_the_page_opens_with(capsys):
     assert main(["live", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.replace("│", " ").split())
     assert OPENS_WITH["cohort"] == GAME[0].cohort and f"[default: {GAME[0].cohort}]" in said
+
+
+def test_a_terminated_live_page_saves_what_was_driven(tmp_path):
+    code = (
+        "import sys\nfrom jawenv.commands.app import main\nfrom jawenv.live.page import Page\n"
+        "Page._drives = lambda page: not page.session.ended\nraise SystemExit(main(sys.argv[1:]))"
+    )
+    command = [sys.executable, "-c", code, "live", "--port", "0", "--output", str(tmp_path)]
+    with started(command, stdout=subprocess.PIPE) as page:
+        assert page.stdout.readline().startswith("the jaw is at")
+        time.sleep(3.0)
+        page.terminate()
+        assert page.wait(60) == 0
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".yaml"]
 
 
 def test_live_drives_until_it_is_interrupted(tmp_path, capsys, monkeypatch):

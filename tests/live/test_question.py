@@ -80,12 +80,13 @@ def test_the_easy_level_hides_its_bars_at_first_and_asks_at_the_end(tmp_path):
         assert page._question._folder is None
         while not page.session.ended:
             page.step()
-        assert "known" in page._view._posterior.content and page._picture.visible
+        assert "your answer" in page._view._posterior.content and page._picture.visible
         names = [box.label for box in page._question._boxes]
         assert names[0] == "masseter left" and len(names) == 6
         page._question._boxes[0].value = True
         page._question._take()
         assert "of 6 right" in page._question._card.content and page._question._folder is None
+        assert "known" in page._view._posterior.content
         assert [row.said for row in page._question.answer] == [True] + 5 * [False]
         page._fulfil(page._choices.next_patient)
         assert page.session.setup.seed == 501 and page._question.answer == []

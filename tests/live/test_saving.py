@@ -67,8 +67,8 @@ class Broken:
 def test_a_drive_that_an_error_ends_is_saved(tmp_path):
     with serving(0) as server:
         page = Page(server, SHORT, tmp_path, "broken", {"broken": Broken()})
-        page._wishes.put(page._single_step)
-        page._wishes.put(page._pause)
+        for wish in (page._single_step, page._pause):
+            page._wishes[wish] = wish
         with pytest.raises(RuntimeError, match="wits' end"):
             page.run()
     assert len(load_record(tmp_path / "my_drive_1.csv").time) == 41
