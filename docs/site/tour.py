@@ -1,4 +1,4 @@
-"""A page to send a link to: three maneuvers beside each other on one patient in 3-D, and the patient's page.
+"""A page to send a link to: three maneuvers on one patient in 3-D, beside each other or below, and the patient's page.
 
 ``python docs/site/tour.py`` writes runs/site/tour.html, one file that opens from disk.
 """
@@ -35,11 +35,15 @@ DRIVERS = {
 }
 """Name of each of the three, from left to right -> its title."""
 EVERY = 2  # of the control steps one is shown
-APART = 2.5  # units of the scene
 RIGHT, UP = np.array([0.707, 0.707, 0.0]), np.array([0.0, 0.0, 1.0])  # of the viewer
-CAMERA, LOOK_AT = (12.4, -12.0, 1.2), (0.4, 0.0, -0.75)
+LOOK_AT = np.array([0.4, 0.0, -0.75])
+LAYOUTS = {"wide": (2.5 * RIGHT, 13.0), "narrow": (-3.75 * UP, 41.0)}
+"""Of a page: from one jaw to the next, units of the scene, and the angle of view, degrees."""
+CAMERA = np.array([12.4, -12.0, 1.2])
 BAR, GAP, TALLEST, BARS_AT, BARS_RIGHT = 0.2, 0.3, 0.8, -2.25, 0.25
-BEST_SD = 0.01
+BEST_SD, KNOWN_SD = 0.01, 0.05
+LETTERS = 0.11  # height, units of the scene
+MARKS_S = (3, 10)
 
 
 class Bars:
@@ -57,6 +61,20 @@ class Bars:
                     position=place + back * np.array([-0.7, 0.7, 0.0]),
                 )  # fmt: skip
             self._bars.append(handle)
+            *words, side = scene.muscles[i].split("_")
+            initials = "".join(word[0] for word in words).upper()
+            _label(server, f"{root}/name_{i}", f"{initials} {side[0].upper()}", place - 0.06 * UP, "top-center")
+        end = BARS_RIGHT + (len(scene.muscles) / 2 - 0.5) * GAP + 0.16
+        for sd in (KNOWN_SD, BEST_SD):
+            height = (BARS_AT + TALLEST * self._share(float(scene.prior_sd.max()), sd)) * UP
+            ends = np.array([[(BARS_RIGHT * 2 - end) * RIGHT + height, end * RIGHT + height]], dtype=np.float32)
+            server.scene.add_line_segments(f"{root}/line_{sd}", ends, palette.SOFT_INK, thickness=0.012)
+            _label(server, f"{root}/scale_{sd}", f"{100 * sd:g} %", end * RIGHT + height + 0.05 * RIGHT, "center-left")
+
+    @staticmethod
+    def _share(worst: float, sd: float) -> float:
+        """How full a bar is."""
+        return float(min(max(np.log(worst / sd) / np.log(worst / BEST_SD), 0.02), 1.0))
 
     def show(self, scene: Scene) -> None:
         """Fill them to a moment."""
@@ -64,24 +82,34 @@ class Bars:
         for muscle, bar in zip(scene.muscles, self._bars, strict=True):
             rows = [scene.parameter_names.index(f"{parameter}/{muscle}") for parameter in ("log_F_o", "log_b")]
             sd = float(scene.belief_sd[rows].max())
-            share = round(min(max(np.log(worst / sd) / np.log(worst / BEST_SD), 0.02), 1.0), 2)
+            share = round(self._share(worst, sd), 2)
             if np.ravel(bar.scale)[-1] != share:
                 bar.scale, bar.color = (1.0, 1.0, share), palette.knowledge(sd)
 
 
-def drives_html(seconds: float) -> str:
-    """The page of viser that shows the three drives, with a slider over their time."""
+def _label(server: Any, name: str, words: str, place: Any, anchor: str) -> None:
+    server.scene.add_label(
+        name, words, position=tuple(place), anchor=anchor, font_size_mode="scene", font_scene_height=LETTERS
+    )
+
+
+def drives_html(seconds: float, layout: str) -> str:
+    """The page of viser that shows the three drives, with a slider over their time; ``layout`` is of ``LAYOUTS``."""
+    apart, angle_deg = LAYOUTS[layout]
     setup = Setup.of(seed=SEED, cohort=COHORT, episode_s=seconds)
     with serving(0) as server:
         shown = []
         for number, name in enumerate(DRIVERS):
             session, root = DriveSession(setup, learned_agents()), f"/{name}"
             session.hand_over(name)
-            server.scene.add_frame(root, show_axes=False, position=(number - 1) * APART * RIGHT)
+            server.scene.add_frame(root, show_axes=False, position=(number - 1) * apart)
             first = session.shown().scene
-            shown.append((session, Jaw3D(server, first, root), Bars(server, first, root)))
-        server.initial_camera.position, server.initial_camera.look_at = CAMERA, LOOK_AT
-        server.initial_camera.fov = float(np.radians(13.0))
+            if layout == "narrow":
+                _label(server, f"{root}/title", DRIVERS[name], 0.85 * UP, "bottom-center")
+            shown.append((session, Jaw3D(server, first, root, named=False), Bars(server, first, root)))
+        server.initial_camera.position = tuple(CAMERA)
+        server.initial_camera.look_at = tuple(LOOK_AT)
+        server.initial_camera.fov = float(np.radians(angle_deg))
         recorded = server.get_scene_serializer()
         for _ in range(round(seconds * setup.world.steps_per_s / EVERY)):
             for session, jaw, bars in shown:
@@ -89,14 +117,20 @@ def drives_html(seconds: float) -> str:
                 jaw.show(scene)
                 bars.show(scene)
             recorded.insert_sleep(EVERY / setup.world.steps_per_s)
-        return _as_the_reader_prefers(str(recorded.as_html()))
+        return _as_the_reader_prefers(str(recorded.as_html()), seconds)
 
 
-def _as_the_reader_prefers(html: str) -> str:
-    """Viser's page, dark where the browser's reader prefers dark pages, with names that a screen reader can say."""
+def _as_the_reader_prefers(html: str, seconds: float) -> str:
+    """Viser's page, dark where the browser's reader prefers dark pages, with names for readers and marks of times."""
     dark = "matchMedia('(prefers-color-scheme: dark)').matches"
     assert "darkMode:false" in html and "<head>" in html, "viser writes its page otherwise"
-    return html.replace("darkMode:false", f"darkMode:{dark}", 1).replace("<head>", f"<head>{_NAMES}", 1)
+    head = f"<head>{_marks(seconds)}{_NAMES}{_NO_BANNER}"
+    return html.replace("darkMode:false", f"darkMode:{dark}", 1).replace("<head>", head, 1)
+
+
+def _marks(seconds: float) -> str:
+    """A script that draws the marks of times on viser's slider, which it makes anew when it likes."""
+    return _MARKS.replace("SECONDS", f"{seconds:g}").replace("TIMES", repr([s for s in MARKS_S if s < seconds]))
 
 
 def patient_html(seconds: float, folder: Path) -> str:
@@ -111,7 +145,7 @@ def patient_html(seconds: float, folder: Path) -> str:
 
 def tour(seconds: float, folder: Path) -> str:
     """All of it as one HTML file."""
-    frames = {"drives": drives_html(seconds), "patient": patient_html(seconds, folder)}
+    frames = {name: drives_html(seconds, name) for name in LAYOUTS} | {"patient": patient_html(seconds, folder)}
     titles = "".join(f"<b>{escape(title)}</b>" for title in DRIVERS.values())
     return _TEMPLATE.format(titles=titles, **{name: escape(html, quote=True) for name, html in frames.items()})
 
@@ -126,6 +160,20 @@ setInterval(() => {
   name(".mantine-Select-input", "Speed");
 }, 500);
 </script>"""
+_NO_BANNER = "<style>.mantine-Notification-root { display: none !important; }</style>"  # of WebGL by the processor, over a jaw
+_MARKS = """<script>
+setInterval(() => document.querySelectorAll(".mantine-Slider-trackContainer").forEach((track) => {
+  if (track.querySelector("[data-mark]")) return;
+  for (const time of TIMES) {
+    const mark = document.createElement("span");
+    mark.dataset.mark = time;
+    mark.textContent = time + " s";
+    mark.style.cssText = `position:absolute; left:${100 * time / SECONDS}%; bottom:60%; font:10px system-ui;
+      border-left:1px solid; padding-left:2px; pointer-events:none`;
+    track.append(mark);
+  }
+}), 500);
+</script>"""
 _TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>jawenv: which jaw muscle is stiff?</title>
@@ -137,16 +185,26 @@ iframe {{ width: 100%; border: 1px solid light-dark(#e2ded5, #3d4147); border-ra
   background: light-dark(#fff, #141414); }}
 #titles {{ display: grid; grid-template-columns: repeat(3, 1fr); gap: .5rem; text-align: center; line-height: 1.25; }}
 #drives {{ aspect-ratio: 1.9; }}
+@media (max-width: 40em) {{
+  #drives {{ aspect-ratio: 0.42; }}
+  #titles {{ display: none; }}
+}}
 #patient {{ height: 72rem; }}
 small {{ color: light-dark(#5b636e, #a9b0b8); }}
 </style></head><body><main>
 <h1>Which jaw muscle is stiff?</h1>
 <p>Three seconds of the right movement tell as much as half a minute of slow opening. (In simulation.)</p>
-<p>One patient, three movements. Below each jaw a bar fills as a muscle becomes known: masseter, temporalis and medial
-pterygoid of the left side, then of the right. Muscles turn from clay to blue with them. Drag to orbit; the slider moves
-the time.</p>
+<p>One patient, three movements. Below each jaw a bar fills as a muscle becomes known: masseter (M), temporalis (T) and
+medial pterygoid (MP), left (L) and right (R). The lines are error bars of 5 % and 1 %. Muscles turn from clay to blue.
+Drag to orbit; the slider moves the time, with marks at 3 and 10 s.</p>
 <div id="titles">{titles}</div>
-<iframe id="drives" title="Three drives in 3-D" srcdoc="{drives}"></iframe>
+<iframe id="drives" title="Three drives in 3-D" data-wide="{wide}" data-narrow="{narrow}"></iframe>
+<script>
+const drives = document.getElementById("drives");
+drives.srcdoc = drives.dataset[matchMedia("(max-width: 40em)").matches ? "narrow" : "wide"];
+</script>
+<p><b>Try it:</b> in a clone of jawenv, <code>make live</code> opens a page on which you move this jaw yourself;
+anywhere else <code>pip install "jawenv[live]"</code>, then <code>jawenv live --open</code>.</p>
 <h2>The patient's page</h2>
 <p>What a therapist reads after the movement on the right, if the anatomy is known as a scan shows it.</p>
 <iframe id="patient" title="The patient's page" srcdoc="{patient}"

@@ -37,12 +37,13 @@ class Jaw3D:
         server: a ``viser.ViserServer``.
         scene: the first moment.
         root: name of the frame that the jaw hangs on, where several jaws are in one scene.
+        named: whether the muscles' names stand beside them.
 
     Attributes:
         colours: of the lines of a scene.
     """
 
-    def __init__(self, server: Any, scene: Scene, root: str = "") -> None:
+    def __init__(self, server: Any, scene: Scene, root: str = "", named: bool = True) -> None:
         self._viser, self._root = server.scene, root
         self._sent: dict[str, Any] = {}
         self.colours = muscle_colours
@@ -56,7 +57,8 @@ class Jaw3D:
         self._plate = self._add_mesh("/mouthpiece", outlines.mouthpiece(), palette.PLATE_LIGHT)
         spindle = _spindle()
         self._muscles = [self._add_mesh(f"/muscles/{i}", spindle, palette.ACCENT) for i in range(self._lines)]
-        self._add_names(scene)
+        if named:
+            self._add_names(scene)
         self._force = self._viser.add_arrows(
             f"{root}/force",
             _arrow(scene.mouthpiece_m, np.array([0.0, 0.0, -0.01])),

@@ -23,7 +23,7 @@ def test_the_tour_opens_from_disk_and_asks_for_nothing_else(tmp_path, monkeypatc
     drives.wait_for_selector("canvas")
     assert drives.evaluate("window.__VISER_EMBED_CONFIG__.darkMode") is True
     assert "Masseter" in patient.inner_text("body")
-    assert [tab.inner_text(f"#titles b:nth-child({i})") for i in (1, 2, 3)] == list(tour.DRIVERS.values())
+    assert [tab.text_content(f"#titles b:nth-child({i})") for i in (1, 2, 3)] == list(tour.DRIVERS.values())
     assert tab.evaluate("document.documentElement.scrollWidth") <= 480
     tab.wait_for_timeout(1000)  # names of the player's fields come twice a second
     for frame in (tab.main_frame, drives, patient):
