@@ -15,7 +15,7 @@ from jawenv.laboratory.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
 
-LARGEST_MM = 1e6
+LARGEST_MM = 1e9
 """Of a place: farther away no tracker sees."""
 LONGEST_LIST = 400
 """Characters of names in a message."""
