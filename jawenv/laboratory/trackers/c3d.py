@@ -107,7 +107,8 @@ def _tracks(content: bytes, path: Path, unit: str | None) -> Tracks:
     if kind == "u2":
         seen = seen.view(f"{processor.order}i2")
     factor = millimetres(unit or str(_one(stated, "POINT:UNITS", "")), str(path))
-    places = seen[:, :, :3] * (factor if scale < 0.0 else factor * scale)
+    with np.errstate(invalid="ignore", over="ignore"):  # of damaged numbers
+        places = seen[:, :, :3].astype(np.float64) * (factor if scale < 0.0 else factor * scale)
     places[~(seen[:, :, 3] >= 0.0)] = np.nan
     labels = _several(stated, "POINT:LABELS")[:points]
     named = {name: places[:, i] for i, name in enumerate(_distinct(labels)) if labels[i]}
@@ -138,7 +139,8 @@ def _analog(stated: Mapping[str, list[Any]], rows: Any, where: tuple[Path, float
     offsets = np.array(stated.get("ANALOG:OFFSET") or [0] * channels, dtype=np.float64)[:channels]
     if rows.dtype.kind == "u":
         offsets %= 2**16
-    values = (rows.reshape(-1, channels) - offsets) * scales * general
+    with np.errstate(invalid="ignore", over="ignore"):
+        values = (rows.reshape(-1, channels).astype(np.float64) - offsets) * scales * general
     labels, units = (_several(stated, f"ANALOG:{name}")[:channels] for name in ("LABELS", "UNITS"))
     columns = {name: values[:, i] for i, name in enumerate(_distinct(labels)) if labels[i]}
     columns[TIME] = np.arange(len(values)) / (rate * per_frame)
