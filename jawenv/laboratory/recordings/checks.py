@@ -84,11 +84,10 @@ def even_time(table: RecordTable) -> Array:
     steps = np.diff(time)
     usual = float(np.median(steps))
     off, resolution = np.abs(_from_line(time)), _resolution(time)
-    most = min(JITTER + 0.5 * resolution / usual, MOST_OFF) * usual if usual > 0.0 else 0.0
-    bad = np.flatnonzero(~((steps > 0.0) & (off[1:] <= most)))
-    if len(bad):
+    most = min(JITTER * usual + 0.5 * resolution, MOST_OFF * usual)
+    if not (steps > 0.0).all() or off.max() > most:
         jumps = np.flatnonzero(~((steps > 0.0) & (np.abs(steps - usual) <= JITTER * usual + resolution)))
-        row = int(jumps[0] if len(jumps) else np.argmax(off[1:]))
+        row = int(jumps[0]) if len(jumps) else int(np.argmax(off[1:]))
         value = f"{time[row + 1]:g}, {steps[row]:g} s after the row before"
         raise table.fail(
             TIME,
