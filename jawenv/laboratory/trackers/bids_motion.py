@@ -21,14 +21,12 @@ from jawenv.laboratory.recordings.dialects import decoded, number
 from jawenv.laboratory.recordings.mapping import factor
 from jawenv.laboratory.recordings.table import DIGITS, LARGEST_RECORDING
 from jawenv.laboratory.trackers.bids_frames import Frame, read_frames
-from jawenv.laboratory.trackers.tracks import Array, Tracks, millimetres, numbers
+from jawenv.laboratory.trackers.tracks import Array, Tracks, is_rate, millimetres, numbers
 
 MOTION = "_motion.tsv"
 HEADER = ("name", "component", "type", "tracked_point", "units")
 AXES, QUATERNION = ("x", "y", "z"), ("quat_w", "quat_x", "quat_y", "quat_z")
 WRENCH = tuple(f"{kind}_{axis}" for kind in ("force", "moment") for axis in AXES)
-FASTEST = 1e6
-"""Hz."""
 BODY = "jaw"
 Channel = dict[str, str]
 
@@ -120,8 +118,7 @@ def _times(channels: list[Channel], table: Array, about: Mapping[str, Any], path
 
 
 def _rate(value: Any) -> float | None:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return float(value) if is_number and 0.0 < value < FASTEST else None
+    return float(value) if is_rate(value) else None
 
 
 def _stated(units: str) -> str | None:

@@ -18,7 +18,7 @@ import numpy as np
 from jawenv.errors import InputError, shown
 from jawenv.laboratory.recordings.columns import TIME
 from jawenv.laboratory.recordings.table import LARGEST_RECORDING, RecordTable
-from jawenv.laboratory.trackers.tracks import Tracks, millimetres
+from jawenv.laboratory.trackers.tracks import Tracks, is_rate, millimetres
 from jawenv.reading import read_bytes
 
 BLOCK = 512
@@ -88,7 +88,7 @@ def _tracks(content: bytes, path: Path, unit: str | None) -> Tracks:
     points = int(_one(stated, "POINT:USED", points)) & COUNTED
     scale = float(_one(stated, "POINT:SCALE", processor.unpack(content, "f", 12)[0]))
     rate = float(_one(stated, "POINT:RATE", processor.unpack(content, "f", 20)[0]))
-    if not 0.0 < rate < np.inf:
+    if not is_rate(rate):
         raise InputError(f"{path}: POINT:RATE is {rate:g}; allowed: a number above 0")
     if not np.isfinite(scale) or data_start < 2 or points < 1:
         raise InputError(f"{path}: POINT:SCALE, USED or DATA_START is damaged; allowed: a whole C3D file with points")

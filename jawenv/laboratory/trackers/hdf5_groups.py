@@ -8,6 +8,7 @@ and the arrays of each group, one after the other.
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 from typing import Any
@@ -35,7 +36,9 @@ def main(path: str, largest: int) -> None:
         told, arrays = {"refused": f"{' '.join(str(error).split())[:150]}"}, []
     sys.stdout.buffer.write(json.dumps(told).encode() + b"\n")
     for array in arrays:
-        np.save(sys.stdout.buffer, array, allow_pickle=False)
+        stream = io.BytesIO()  # a pipe has no position, which NumPy asks a file for
+        np.save(stream, array, allow_pickle=False)
+        sys.stdout.buffer.write(stream.getbuffer())
 
 
 def limit() -> None:

@@ -21,13 +21,11 @@ from jawenv.errors import InputError, MissingPackageError, shown
 from jawenv.laboratory.recordings.table import LARGEST_RECORDING
 from jawenv.laboratory.trackers import hdf5_groups
 from jawenv.laboratory.trackers.bids_motion import matrices
-from jawenv.laboratory.trackers.tracks import Array, Tracks, millimetres
+from jawenv.laboratory.trackers.tracks import Array, Tracks, is_rate, millimetres
 from jawenv.reading import open_file
 
 SECONDS = 15
 """By the clock, for a file whose reading takes a second."""
-FASTEST = 1e6
-"""Hz."""
 
 
 def read_jaw_tracking_system(path: Path, unit: str | None) -> Tracks:
@@ -87,9 +85,9 @@ def _rate(group: Mapping[str, Any], where: str) -> float:
     rate = group["attributes"]["sample_rate"]
     if rate is None:
         raise InputError(f"{where}: attribute 'sample_rate' is missing; allowed: as JawTrackingSystem writes it")
-    if not (isinstance(rate, float) and 0.0 < rate < FASTEST):
+    if not is_rate(rate):
         raise InputError(f"{where}: sample_rate is {shown(rate)}; allowed: a number above 0")
-    return rate
+    return float(rate)
 
 
 def _body(

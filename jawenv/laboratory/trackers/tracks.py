@@ -15,6 +15,8 @@ from jawenv.laboratory.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
 
+SLOWEST, FASTEST = 1e-3, 1e6
+"""Hz, of frames."""
 LARGEST_MM = 1e9
 """Of a place: farther away no tracker sees."""
 LONGEST_LIST = 400
@@ -82,6 +84,11 @@ class Tracks:
             places={one: self.places[one] @ axes.T for one in names},
             rotations={one: axes @ self.rotations[one] @ axes.T for one in names if one in self.rotations},
         )
+
+
+def is_rate(value: object) -> bool:
+    """Whether a file's word can be its frames per second."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and SLOWEST < value < FASTEST
 
 
 def listed(names: Iterable[str]) -> str:
