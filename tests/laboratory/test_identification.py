@@ -138,3 +138,14 @@ def test_a_page_needs_a_clone(tmp_path, capsys, monkeypatch):
 def test_the_table_has_a_row_for_each_kind():
     text = table({"honest": [(False, 0.5, 0.0, 0.01, 2.0)], "frame numbers as s": [(True, *4 * (np.nan,))]})
     assert "| honest | 0 of 1 | 0.5 (0.5) |" in text and "| frame numbers as s | 1 of 1 | – |" in text
+
+
+def test_a_page_does_not_take_the_place_of_its_recording(tmp_path, capsys):
+    path = saved(tmp_path, record())
+    (tmp_path / "page.html").symlink_to(path)
+    with open(path, "rb") as file:
+        before = file.read()
+    assert main(["identify", path, "--page", str(tmp_path / "page.html")]) == 2
+    assert "allowed: an output that is no input" in capsys.readouterr().err
+    with open(path, "rb") as file:
+        assert file.read() == before

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import struct
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +17,7 @@ import numpy as np
 from jawenv.errors import InputError, shown
 from jawenv.laboratory.recordings.columns import TIME
 from jawenv.laboratory.recordings.table import LARGEST_RECORDING, RecordTable
-from jawenv.laboratory.trackers.tracks import Tracks, is_rate, millimetres
+from jawenv.laboratory.trackers.tracks import Tracks, distinct, is_rate, millimetres
 from jawenv.reading import read_bytes
 
 BLOCK = 512
@@ -111,7 +110,7 @@ def _tracks(content: bytes, path: Path, unit: str | None) -> Tracks:
         places = seen[:, :, :3].astype(np.float64) * (factor if scale < 0.0 else factor * scale)
     places[~(seen[:, :, 3] >= 0.0)] = np.nan
     labels = _several(stated, "POINT:LABELS")[:points]
-    named = {name: places[:, i] for i, name in enumerate(_distinct(labels)) if labels[i]}
+    named = {name: places[:, i] for i, name in enumerate(distinct(labels)) if labels[i]}
     analog = _analog(stated, rows[:, WORDS * points :], (path, rate, per_frame))
     return Tracks(str(path), np.arange(frames) / rate, named, analog=analog)
 
@@ -142,21 +141,11 @@ def _analog(stated: Mapping[str, list[Any]], rows: Any, where: tuple[Path, float
     with np.errstate(invalid="ignore", over="ignore"):
         values = (rows.reshape(-1, channels).astype(np.float64) - offsets) * scales * general
     labels, units = (_several(stated, f"ANALOG:{name}")[:channels] for name in ("LABELS", "UNITS"))
-    columns = {name: values[:, i] for i, name in enumerate(_distinct(labels)) if labels[i]}
+    columns = {name: values[:, i] for i, name in enumerate(distinct(labels)) if labels[i]}
     columns[TIME] = np.arange(len(values)) / (rate * per_frame)
     return RecordTable(
-        str(path), columns, np.arange(1, len(values) + 1), {}, dict(zip(_distinct(labels), units, strict=False))
+        str(path), columns, np.arange(1, len(values) + 1), {}, dict(zip(distinct(labels), units, strict=False))
     )
-
-
-def _distinct(labels: list[str]) -> list[str]:
-    """Labels, with a number behind those that stand there several times."""
-    times, met = Counter(labels), Counter[str]()
-    distinct = []
-    for label in labels:
-        met[label] += 1
-        distinct.append(label if times[label] == 1 else f"{label} ({met[label]})")
-    return distinct
 
 
 def _one(stated: Mapping[str, list[Any]], name: str, default: Any) -> Any:

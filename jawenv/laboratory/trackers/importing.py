@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from jawenv.anatomy.mandible import default_mandible
 from jawenv.errors import InputError
+from jawenv.files import check_kept
 from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, TIME
 from jawenv.laboratory.recordings.files import load_record
 from jawenv.laboratory.recordings.plausibility import findings
@@ -97,7 +98,8 @@ def import_file(path: Path, output: Path, settings: ImportSettings) -> list[str]
     """
     if output.suffix not in (*FORMATS, *WRITERS) or (output.suffix == ".tsv" and not output.name.endswith(MOTION)):
         raise InputError(f"{output}: the ending is {output.suffix!r}; allowed: .csv, .parquet, .mot, .sto, {MOTION}")
-    _check_kept(path, output, settings)
+    for target in _parts(output):
+        check_kept(target, [*_parts(path), settings.forces, settings.landmarks, settings.columns])
     if settings.resample_hz is not None and {path.suffix, output.suffix}.isdisjoint(FORMATS):
         raise InputError(f"--resample is given with {output}; allowed: from or to a recording, {' or '.join(FORMATS)}")
     with open_file(path):
@@ -115,15 +117,6 @@ def import_file(path: Path, output: Path, settings: ImportSettings) -> list[str]
     table = _judged(tracks, settings.resample_hz)
     write_table(output, table.columns, {})
     return [*lines, f"{output}: {len(table.lines):,} rows"]
-
-
-def _check_kept(path: Path, output: Path, settings: ImportSettings) -> None:
-    """Check that no file that is read is written."""
-    read = [*_parts(path), settings.forces, settings.landmarks, settings.columns]
-    for target in _parts(output):
-        for source in read:
-            if source is not None and target.exists() and source.exists() and target.samefile(source):
-                raise InputError(f"{target}: is read as {source}; allowed: an output that is no input")
 
 
 def _parts(path: Path) -> list[Path]:

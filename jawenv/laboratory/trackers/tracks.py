@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -89,6 +90,16 @@ class Tracks:
 def is_rate(value: object) -> bool:
     """Whether a file's word can be its frames per second."""
     return isinstance(value, int | float) and not isinstance(value, bool) and SLOWEST < value < FASTEST
+
+
+def distinct(labels: Sequence[str]) -> list[str]:
+    """Labels, with a number behind those that stand there several times."""
+    times, met = Counter(labels), Counter[str]()
+    told = []
+    for label in labels:
+        met[label] += 1
+        told.append(label if times[label] == 1 else f"{label} ({met[label]})")
+    return told
 
 
 def listed(names: Iterable[str]) -> str:

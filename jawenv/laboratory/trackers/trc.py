@@ -7,7 +7,7 @@ from pathlib import Path
 from jawenv.errors import InputError, shown
 from jawenv.laboratory.recordings.dialects import decoded
 from jawenv.laboratory.recordings.table import LARGEST_RECORDING
-from jawenv.laboratory.trackers.tracks import Tracks, millimetres, numbers, whole
+from jawenv.laboratory.trackers.tracks import Tracks, distinct, millimetres, numbers, whole
 
 HEAD = 5
 """Lines above the rows."""
@@ -35,5 +35,5 @@ def read_trc(path: Path, unit: str | None) -> Tracks:
     table = numbers(str(path), [line for line in lines[HEAD:] if line[1].strip()], names, "\t")
     whole(str(path), len(table), header.get("numframes"), "NumFrames")
     scale = millimetres(unit or header.get("units"), str(path))
-    places = {name: scale * table[:, 2 + 3 * i : 5 + 3 * i] for i, name in enumerate(markers)}
+    places = {name: scale * table[:, 2 + 3 * i : 5 + 3 * i] for i, name in enumerate(distinct(markers))}
     return Tracks(str(path), table[:, 1], places)

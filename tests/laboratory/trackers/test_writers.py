@@ -1,5 +1,6 @@
 """Files as the libraries and programs write them that people write them with."""
 
+import os
 import struct
 
 import numpy as np
@@ -251,3 +252,70 @@ def test_quaternions_of_any_size_are_rotations():
     for size in (1e-90, 1.0, 1e300):
         np.testing.assert_allclose(matrices(size * turned.as_quat(scalar_first=True)), turned.as_matrix(), atol=1e-12)
     assert np.isnan(matrices(np.array([[0.0, 0, 0, 0], [np.nan, 0, 0, 1], [1e-320, 0, 0, 0]]))).all()
+
+
+def test_damaged_parameters_of_a_c3d_are_one_line(tmp_path):
+    """Sizes of 255 end a program that believes them."""
+    content = bytearray(files.write_c3d(tmp_path / "a.c3d", files.jaw()).read_bytes())
+    at = content.find(b"LABELS") + 6
+    for value in (0, 127, 128, 255):
+        content[at : at + 6] = bytes([value] * 6)
+        (tmp_path / "a.c3d").write_bytes(content)
+        with pytest.raises(InputError) as refused:
+            read_c3d(tmp_path / "a.c3d", None)
+            raise InputError("a.c3d: lacks its labels")
+        assert "\n" not in str(refused.value) and "a.c3d" in str(refused.value)
+
+
+FOREIGN = {
+    "external link": lambda file, other: file.__setitem__("jaw", h5py.ExternalLink(other, "/jaw")),
+    "external storage": lambda file, other: spoil(file, external=[(other, 0, 600 * 24)]),
+    "virtual data set": lambda file, other: spoil(file, virtual=other),
+    "a billion rows": lambda file, other: spoil(file, shape=(10**9, 3), chunks=(1000, 3)),
+    "texts": lambda file, other: spoil(file, dtype=h5py.string_dtype()),
+    "references": lambda file, other: spoil(file, dtype=h5py.ref_dtype),
+    "nothing": lambda file, other: file.move("T_model_origin_mand_landmark_t/rotations", "rotations"),
+}
+
+
+def spoil(file, virtual=None, shape=(600, 3), dtype="<f8", **settings):
+    """Other translations in place of the right ones."""
+    group = file["T_model_origin_mand_landmark_t"]
+    del group["translations"]
+    if virtual is not None:
+        layout = h5py.VirtualLayout(shape, dtype)
+        layout[:] = h5py.VirtualSource(virtual, "T_model_origin_mand_landmark_t/translations", shape)
+        group.create_virtual_dataset("translations", layout)
+    else:
+        group.create_dataset("translations", shape, dtype, **settings)
+
+
+@pytest.mark.parametrize("kind", FOREIGN)
+def test_no_other_file_is_read_through_an_hdf5_file_and_no_bomb_unpacked(tmp_path, kind):
+    other = tmp_path / "other.h5"
+    if kind == "external link":  # a pipe: who follows the link waits for ever
+        os.mkfifo(other)
+    else:
+        files.write_hdf5(other, files.jaw())
+
+    def write(path, moved):
+        files.write_hdf5(path, moved)
+        with h5py.File(path, "a") as file:
+            if kind == "external link":
+                del file["T_model_origin_mand_landmark_t"]
+            FOREIGN[kind](file, str(other))
+
+    with pytest.raises(InputError) as refused:
+        imported(tmp_path, "hdf5", write=write)
+    assert "\n" not in str(refused.value) and not (tmp_path / "out.csv").exists()
+
+
+def test_a_reader_that_hangs_or_dies_is_one_line(tmp_path, monkeypatch):
+    from jawenv.laboratory.trackers import jaw_tracking_system as module
+
+    for program, told in (("while True: pass", "is not read within 0.5 s"), ("import os; os.abort()", "ended with -6")):
+        (tmp_path / "program.py").write_text(program)
+        monkeypatch.setattr(module.hdf5_groups, "__file__", str(tmp_path / "program.py"))
+        monkeypatch.setattr(module, "SECONDS", 0.5 if "while" in program else 15)
+        with pytest.raises(InputError, match=told):
+            imported(tmp_path, "hdf5")
