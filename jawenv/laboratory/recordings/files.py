@@ -137,7 +137,7 @@ def load_record(
     return Record(
         time=time,
         measured=measured,
-        samples=samples(table),
+        samples=samples(table, slack=sensor == "straps"),
         start_mean=np.array(start, dtype=np.float64),
         start_sd=np.array(defaults.start_sd(jaw) if spread is None else spread, dtype=np.float64),
         knowledge=given_knowledge(knowledge, header.get("knowledge"), table.path),

@@ -18,12 +18,13 @@ from typing import Any
 import numpy as np
 
 from jawenv.errors import InputError, MissingPackageError, shown
-from jawenv.laboratory.recordings.table import LARGEST_RECORDING
 from jawenv.laboratory.trackers import hdf5_groups
 from jawenv.laboratory.trackers.bids_motion import matrices
 from jawenv.laboratory.trackers.tracks import Array, Tracks, is_rate, millimetres
 from jawenv.reading import open_file
 
+LARGEST = 128 * 2**20
+"""Bytes of all arrays."""
 SECONDS = 15
 """By the clock, for a file whose reading takes a second."""
 
@@ -58,7 +59,7 @@ def _read_apart(path: Path) -> tuple[list[dict[str, Any]], Any]:
         raise MissingPackageError('HDF5 needs h5py: pip install "jawenv[mocap]"')
     with open_file(path):
         pass
-    command = [sys.executable, "-P", hdf5_groups.__file__, str(path.absolute()), str(LARGEST_RECORDING)]
+    command = [sys.executable, "-P", hdf5_groups.__file__, str(path.absolute()), str(LARGEST)]
     try:
         ran = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=SECONDS, check=False)
     except subprocess.TimeoutExpired:

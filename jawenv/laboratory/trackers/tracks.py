@@ -32,7 +32,7 @@ class Tracks:
         path: of the file, for messages.
         time: (T,) s.
         places: (T, 3) mm of each marker and each body's origin, by name; NaN where the tracker lost it. A marker at
-            0, 0, 0 is a lost one.
+            0, 0, 0 is a lost one, and so is a body there that is not turned.
         rotations: (T, 3, 3) of each body, body axes to the file's; NaN likewise.
         wrenches: (T, 6) N and N m, by name.
         points: (T, 3) mm where a wrench acts, by its name; without one it is about the mouthpiece.
@@ -67,8 +67,10 @@ class Tracks:
             if (np.abs(place) > LARGEST_MM).any():
                 far = f"{float(np.nanmax(np.abs(place))):.3g} mm"
                 raise InputError(f"{self.path}: {shown(name)} is {far} away; allowed: {LARGEST_MM:g} mm (the unit?)")
-            if name not in self.rotations:
-                self.places[name] = np.where((place == 0.0).all(axis=1, keepdims=True), np.nan, place)
+            lost = (place == 0.0).all(axis=1)
+            if name in self.rotations:  # one that is given from its own beginning is there in the first row
+                lost &= (self.rotations[name] == np.eye(3)).all(axis=(1, 2)) & ~lost[0]
+            self.places[name] = np.where(lost[:, None], np.nan, place)
         for name, matrices in self.rotations.items():
             seen = matrices[np.isfinite(matrices).all(axis=(1, 2))]
             with np.errstate(over="ignore", invalid="ignore"):

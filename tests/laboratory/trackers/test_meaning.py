@@ -11,6 +11,7 @@ from jawenv.laboratory.recordings.files import load_record
 from jawenv.laboratory.trackers.bids_motion import read_bids_motion
 from jawenv.laboratory.trackers.importing import ImportSettings, import_file
 from jawenv.laboratory.trackers.opensim import AXES
+from jawenv.laboratory.trackers.tracks import Tracks
 from tests import tracker_files as files
 
 ARM_MM = np.array([30.0, -5.0, 12.0])
@@ -167,3 +168,12 @@ def test_missing_values_bad_channels_and_other_rates_are_heeded(tmp_path):
         read_bids_motion(
             bids(tmp_path, body("jaw", "global"), columns, levels, sampling_frequency=[60] * 5 + [30]), None
         )
+
+
+def test_a_body_at_zero_that_is_not_turned_is_lost(tmp_path):
+    place, turned = np.ones((5, 3)), np.tile(np.eye(3), (5, 1, 1))
+    place[3] = 0.0
+    seen = Tracks("here", np.arange(5.0), {"jaw": place}, {"jaw": turned}).places["jaw"]
+    assert np.isnan(seen).all(axis=1).tolist() == [False, False, False, True, False]
+    place[0] = 0.0  # its motion since the beginning
+    assert np.isfinite(Tracks("here", np.arange(5.0), {"jaw": place}, {"jaw": turned}).places["jaw"]).all()
