@@ -10,7 +10,7 @@ import os
 import re
 import tomllib
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar, get_args
 
@@ -26,6 +26,7 @@ __all__ = [
     "Source",
     "Text",
     "atomic_write",
+    "check_kept",
     "instance_of",
     "read_into",
     "read_mapping",
@@ -233,6 +234,17 @@ def remove_unfinished(output: Path) -> None:
     for path in left:
         with contextlib.suppress(OSError):
             path.unlink()
+
+
+def check_kept(output: Path, inputs: Iterable[Path | None]) -> None:
+    """Check that a file that will be written is none of those that are read, also by way of links.
+
+    Raises:
+        InputError: it is one of them.
+    """
+    for source in inputs:
+        if source is not None and output.exists() and source.exists() and output.samefile(source):
+            raise InputError(f"{output}: is read as {source}; allowed: an output that is no input")
 
 
 def write_text(path: Path, text: str) -> None:

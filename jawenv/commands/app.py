@@ -136,11 +136,14 @@ def import_command(
     columns: Annotated[
         Path | None, typer.Option(help="File with the names, units and signs of the forces.", metavar="FILE")
     ] = None,
+    resample: Annotated[
+        float | None, typer.Option(help="Interpolate uneven times to so many rows a second.", metavar="HZ")
+    ] = None,
 ) -> None:
     """Make a recording of a jaw tracker's file and a load cell's (docs/recordings.md#files-of-the-trade)."""
     from jawenv.laboratory.trackers.importing import ImportSettings, import_file
 
-    settings = ImportSettings(forces, landmarks, registered, jaw, head, unit, offset, columns)
+    settings = ImportSettings(forces, landmarks, registered, jaw, head, unit, offset, columns, resample)
     for line in import_file(file, output, settings):
         print(line)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from jawenv.anatomy import MUSCLE_NAMES
 from jawenv.errors import InputError, MissingPackageError
+from jawenv.files import check_kept
 from jawenv.laboratory.identification import Identification, identified
 from jawenv.laboratory.recordings.files import load_record
 from jawenv.laboratory.recordings.plausibility import findings
@@ -38,6 +39,8 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None) -> int:
         InputError: the file cannot be read, is damaged or has an impossible rate, or an argument is not allowed.
     """
     write_page = None if page is None else _page_writer()
+    if page is not None:
+        check_kept(page, [path, reading.get("columns")])
     record = load_record(path, **reading)
     rate = findings(record)[0]
     if not rate.plausible:

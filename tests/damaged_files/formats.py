@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from agents.evaluations import read_evaluations
 from agents.policies import load_policy
 from agents.replay import Replay
@@ -20,10 +22,15 @@ from eval.studies.design import shipped as shipped_studies
 from jawenv import Anatomy, Cohort, Device, Patient
 from jawenv.files import read_model
 from jawenv.laboratory.recordings.files import load_record
+from jawenv.laboratory.recordings.mapping import read_columns
+from jawenv.laboratory.trackers.importing import READERS
+from jawenv.laboratory.trackers.registration import read_landmarks
+from jawenv.laboratory.trackers.tracks import Tracks
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
 from jawenv.playing.policies.card import SHIPPED, ResultsFile, read_card
 from jawenv.reality.options import Reality
+from tests import tracker_files
 from tests.damaged_files import contents
 from training.run.config import TrainingConfig
 from training.run.folder import read_counts
@@ -97,6 +104,22 @@ def _record(path: Path) -> Any:
     return repr([part.tobytes() for part in (record.time, record.measured, record.samples, record.start_mean)])
 
 
+def _tracker(name: str, file: str, write: Callable[..., object], damaged: str = "") -> Format:
+    """A tracker's file; or, of several that belong together, the one with another ending."""
+
+    def read(folder: Path) -> Any:
+        tracks = READERS[Path(file).suffix](folder / file, None)
+        return repr([tracks.time.tobytes(), *(part.tobytes() for part in tracks.places.values())])
+
+    place = file.removesuffix("_motion.tsv") + damaged if damaged else file
+    return Format(name, place, lambda folder: write(folder / file, tracker_files.jaw()), read)
+
+
+def _landmarks(path: Path) -> Any:
+    time = np.arange(3.0)
+    return repr(read_landmarks(path, Tracks("here", time, {"MR": np.ones((3, 3))}), np.eye(3)))
+
+
 def _replay(folder: Path) -> Any:
     replay = Replay.load(folder / "a.npz")
     return replay.name, replay.decision_hz, contents.actions_of(replay)
@@ -110,6 +133,15 @@ def _shipped_policy(folder: Path) -> None:
     shutil.copytree(SHIPPED / "ppo_trismus", folder, dirs_exist_ok=True)
 
 
+_BIDS = ("a_motion.tsv", tracker_files.write_bids)
+_COLUMNS = """time_s = {name = "t", unit = "ms"}
+mouthpiece_x_mm = {name = "Z", unit = "m", sign = -1}
+"""
+_LANDMARKS = """unit = "mm"
+incisor = [120.4, -312.0, 871.5]
+molar_left = [98.1, -297.3, 862.0]
+molar_right = "MR"
+"""
 _NPZ = ("a.npz", contents.replay, _replay)
 _CHECKPOINT = ("step_1.zip", contents.checkpoint, lambda folder: repr(read_counts(folder / "step_1.zip")))
 _WEIGHTS = ("policy.safetensors", _shipped_policy, _policy)
@@ -136,5 +168,15 @@ FORMATS = (
     Format("treatment", "a.npz", contents.treatment, lambda folder: repr(load_treatment(folder / "a.npz")), True),
     Format("checkpoint", *_CHECKPOINT, has_checksums=True),
     Format("checkpoint's settings, anew", *_CHECKPOINT, **_member("data")),
+    _tracker("C3D", "a.c3d", tracker_files.write_c3d),
+    _tracker("HDF5", "a.h5", tracker_files.write_hdf5),
+    _tracker("TRC", "a.trc", tracker_files.write_trc),
+    _tracker("MOT", "a.mot", tracker_files.write_mot),
+    _tracker("BIDS-Motion", *_BIDS),
+    _tracker("BIDS-Motion's channels", *_BIDS, "_channels.tsv"),
+    _tracker("BIDS-Motion's frames", *_BIDS, "_channels.json"),
+    _tracker("BIDS-Motion's words", *_BIDS, "_motion.json"),
+    _text("landmarks", "a.toml", _LANDMARKS, _landmarks),
+    _text("columns of a recording", "a.toml", _COLUMNS, read_columns),
 )
 """All kinds."""

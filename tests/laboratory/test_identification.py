@@ -9,10 +9,13 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.commands.app import main
+from jawenv.errors import InputError
 from jawenv.laboratory.identification import identified
+from jawenv.laboratory.online import OnlineFilter
 from jawenv.laboratory.record_filter import TensionFilter
-from jawenv.laboratory.recordings.files import save_record
+from jawenv.laboratory.recordings.files import load_record, save_record
 from jawenv.laboratory.recordings.plausibility import findings
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 from research.recordings import RATES, judged, spoilt, table
 
 
@@ -50,6 +53,24 @@ def test_what_was_lost_is_no_doubt():
     measured[1::3], samples[::20, 1, 2] = np.nan, np.nan
     found = identified(replace(record(), measured=measured, samples=samples))
     assert found.left_out == 0 and found.rows == 667 and found.believable
+
+
+def test_bursts_without_a_load_cell_reading_are_missing_readings(tmp_path):
+    """As for the online filter, bit for bit; a recording keeps them as empty cells."""
+    samples = record().samples.copy()
+    for start in range(100, 900, 200):
+        samples[start : start + 8] = np.nan
+    lost = replace(record(), samples=samples)
+    save_record(lost, tmp_path / "lost.csv")
+    read = load_record(tmp_path / "lost.csv")
+    np.testing.assert_array_equal(np.isnan(read.samples), np.isnan(samples))
+    found, online = identified(read), OnlineFilter.of_record(read)
+    beliefs = [online.update(row, read.samples[k - 1] if k else None) for k, row in enumerate(read.measured)]
+    np.testing.assert_array_equal(found.estimate.mean[-1], beliefs[-1].log_mean)
+    np.testing.assert_array_equal(TensionFilter().estimate(read).mean, found.estimate.mean)
+    assert found.believable and found.left_out == 0
+    with pytest.raises(InputError, match="times without a reading of the load cell; allowed: none"):
+        ExtendedKalman().estimate(read)
 
 
 def test_a_few_readings_that_are_far_off_are_no_doubt():
@@ -133,3 +154,14 @@ def test_a_page_needs_a_clone(tmp_path, capsys, monkeypatch):
 def test_the_table_has_a_row_for_each_kind():
     text = table({"honest": [(False, 0.5, 0.0, 0.01, 2.0)], "frame numbers as s": [(True, *4 * (np.nan,))]})
     assert "| honest | 0 of 1 | 0.5 (0.5) |" in text and "| frame numbers as s | 1 of 1 | – |" in text
+
+
+def test_a_page_does_not_take_the_place_of_its_recording(tmp_path, capsys):
+    path = saved(tmp_path, record())
+    (tmp_path / "page.html").symlink_to(path)
+    with open(path, "rb") as file:
+        before = file.read()
+    assert main(["identify", path, "--page", str(tmp_path / "page.html")]) == 2
+    assert "allowed: an output that is no input" in capsys.readouterr().err
+    with open(path, "rb") as file:
+        assert file.read() == before

@@ -13,7 +13,12 @@ from jawenv.laboratory.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
 
-JITTER = 0.05  # a step of time may differ from the usual one by this share; the times are then taken as even
+JITTER = 0.05
+"""Share of a step by which a time may lie off a straight line, beside what its digits leave open."""
+MOST_OFF = 0.4
+"""The same at most: from a half on, a row may be missing."""
+DIGITS = 9
+"""After the point: nobody writes more."""
 
 
 def check_columns(table: RecordTable, size: int) -> None:
@@ -60,7 +65,7 @@ def has_any(table: RecordTable, columns: Sequence[Column]) -> bool:
 
 
 def even_time(table: RecordTable) -> Array:
-    """The times from 0, evenly spaced: jitter of a few per cent of a step is taken out.
+    """The times from 0, evenly spaced: jitter of a few per cent of a step, and rounding of the stamps, are taken out.
 
     Raises:
         InputError: fewer than two times, one that is missing, or uneven ones.
@@ -78,14 +83,33 @@ def even_time(table: RecordTable) -> Array:
         raise table.fail(TIME, int(bad[0]), "missing", "a number of seconds in every row")
     steps = np.diff(time)
     usual = float(np.median(steps))
-    bad = np.flatnonzero(~((steps > 0.0) & (np.abs(steps - usual) <= JITTER * usual)))
-    if len(bad):
-        value = f"{time[bad[0] + 1]:g}, {steps[bad[0]]:g} s after the row before"
+    off, resolution = np.abs(_from_line(time)), _resolution(time)
+    most = min(JITTER * usual + 0.5 * resolution, MOST_OFF * usual)
+    if not (steps > 0.0).all() or off.max() > most:
+        jumps = np.flatnonzero(~((steps > 0.0) & (np.abs(steps - usual) <= JITTER * usual + resolution)))
+        row = int(jumps[0]) if len(jumps) else int(np.argmax(off[1:]))
+        value = f"{time[row + 1]:g}, {steps[row]:g} s after the row before"
         raise table.fail(
             TIME,
-            int(bad[0]) + 1,
+            row + 1,
             value,
             f"even steps, {usual:g} s in most rows, give or take {JITTER:.0%}, or --resample HZ",
         )
     even: Array = np.linspace(0.0, time[-1] - time[0], len(time))
     return even
+
+
+def _from_line(time: Array) -> Array:
+    """How far each time lies off the straight line through all, s."""
+    rows = np.arange(len(time)) - 0.5 * (len(time) - 1)
+    since = time - time.mean()
+    off: Array = since - rows * (rows @ since) / (rows @ rows)
+    return off
+
+
+def _resolution(time: Array) -> float:
+    """The step of the digits that the times are written with, s; of the later half, as those have the fewest."""
+    later = time[len(time) // 2 :]
+    rounding = 1e-9 + 4.0 * float(np.spacing(np.abs(later).max()))
+    whole = (digits for digits in range(DIGITS) if (np.abs(later - np.round(later, digits)) <= rounding).all())
+    return 10.0 ** -next(whole, DIGITS)

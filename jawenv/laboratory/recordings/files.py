@@ -37,7 +37,7 @@ from jawenv.laboratory.recordings.mapping import mapped, read_columns
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.recordings.resampling import resampled
 from jawenv.laboratory.recordings.series import encoders, samples, stacked, wrenches, written
-from jawenv.laboratory.recordings.table import checked_path, read_table, write_table
+from jawenv.laboratory.recordings.table import RecordTable, checked_path, read_table, write_table
 from jawenv.laboratory.recordings.words import WORDS, check_numbers, check_texts
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
@@ -68,7 +68,7 @@ def save_record(record: Record, path: PathLike) -> None:
 
 
 def load_record(
-    path: PathLike,
+    path: PathLike | RecordTable,
     *,
     model: str | None = None,
     head_tilt_deg: float | None = None,
@@ -88,7 +88,8 @@ def load_record(
     """Read a recording. What neither the arguments nor the file says has the default named here.
 
     Args:
-        path: a file as ``save_record`` writes it, or one's own with some of its columns (docs/recordings.md).
+        path: a file as ``save_record`` writes it, or one's own with some of its columns (docs/recordings.md); or the
+            table that such a file would hold.
         model: rung of the ladder whose geometry and muscles the estimator believes in; ``"jaw"``.
         head_tilt_deg: pitch of the head, positive looking down; 0.
         jaw: a geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``.
@@ -107,7 +108,8 @@ def load_record(
     Raises:
         InputError: a file, column, row or argument that cannot be used.
     """
-    table = mapped(read_table(checked_path(path), WORDS), {} if columns is None else read_columns(Path(columns)))
+    given = path if isinstance(path, RecordTable) else read_table(checked_path(path), WORDS)
+    table = mapped(given, {} if columns is None else read_columns(Path(columns)))
     if resample_hz is not None:
         table = resampled(table, resample_hz)
     header = table.header

@@ -81,15 +81,23 @@ def mapped(table: RecordTable, sources: Mapping[str, Source]) -> RecordTable:
         columns[name] = source.sign * factor(name, unit, table.path) * table.columns[source.name]
         units.pop(name, None)
         written = table.units.get(source.name, "")
-        if written and _plain(written) != _plain(unit):
+        if written and not _same(name, written, unit, table.path):
             raise InputError(
                 f"{table.path}: {shown(source.name)} is in {shown(written)}; allowed by the mapping: {unit}"
             )
     for name, written in units.items():
-        if name in NAMES and _plain(written) != _plain(_unit_of(name)):
+        if name in NAMES and not _same(name, written, _unit_of(name), table.path):
             allowed = f"{_unit_of(name)}, or a mapping file that says otherwise (--columns)"
             raise InputError(f"{table.path}: {name} is in {shown(written)}; allowed: {allowed}")
     return replace(table, columns={name: np.asarray(values) for name, values in columns.items()})
+
+
+def _same(name: str, written: str, unit: str, path: str) -> bool:
+    """Whether two ways to write a unit of a column mean the same."""
+    try:
+        return factor(name, written, path) == factor(name, unit, path)
+    except InputError:
+        return False
 
 
 def _unit_of(name: str) -> str:
@@ -104,9 +112,11 @@ def factor(name: str, unit: str, path: str) -> float:
         InputError: an unknown unit.
     """
     allowed = UNITS[_unit_of(name)]
-    for symbol, scale in allowed.items():
-        if _plain(symbol) == _plain(unit):
-            return scale
+    symbols = {_plain(symbol): scale for symbol, scale in allowed.items()}
+    capitals = {symbol.casefold(): scale for symbol, scale in symbols.items() if not symbol.startswith("mN")}
+    scale = symbols.get(_plain(unit), capitals.get(_plain(unit).casefold()))  # but MN is no mN
+    if scale is not None:
+        return scale
     raise InputError(f"{path}: {name} has unit {shown(unit)}; allowed: {', '.join(allowed)}")
 
 

@@ -133,8 +133,9 @@ class Record:
 
     @property
     def exact(self) -> bool:
-        """Whether a load cell reads the force, geometry and mounting are known exactly, no disturbance has memory."""
-        return self.knowledge.exact and self.disturbance_time_s == 0.0 and self.force_sensor == "cell"
+        """Whether a load cell reads the force at all times, all else is known exactly, no disturbance has memory."""
+        known = self.knowledge.exact and self.disturbance_time_s == 0.0 and self.force_sensor == "cell"
+        return known and bool(np.isfinite(self.samples).all())
 
     def require_exact(self, method: str) -> None:
         """Check that ``method`` can be used, which integrates nothing out but the load cell's gain error.
@@ -146,7 +147,8 @@ class Record:
             has = (
                 (not self.knowledge.exact, "knowledge that is not exact"),
                 (self.force_sensor != "cell", "a force that no load cell reads"),
-                (True, "a disturbance with memory"),
+                (self.disturbance_time_s > 0.0, "a disturbance with memory"),
+                (True, "times without a reading of the load cell"),
             )
             extra = next(what for there, what in has if there)
             raise InputError(f"{method}: the record has {extra}; allowed: none, or TensionFilter and OnlineFilter")

@@ -46,32 +46,26 @@ def stacked(table: RecordTable, columns: list[Column]) -> Array | None:
     return np.column_stack([_column(table, column) for column in columns])
 
 
-def wrenches(table: RecordTable, columns: tuple[Column, ...], slack: bool = False) -> Array:
-    """(T, 3, 6) of three wrenches per tick; the last row begins no tick. Slack straps leave gaps."""
-    ticks = len(table.lines) - 1
-    wrenches: Array = np.empty((ticks, N_SAMPLES, N_WRENCH))
+def wrenches(table: RecordTable, columns: tuple[Column, ...]) -> Array:
+    """(T, 3, 6) of three wrenches per tick, NaN where none was read; the last row begins no tick."""
+    wrenches: Array = np.empty((len(table.lines) - 1, N_SAMPLES, N_WRENCH))
     for column in columns:
-        values = _column(table, column)[:-1]
-        if not slack:
-            _complete(table, column, values)
         moment, component = column.index
-        wrenches[:, moment, component] = values
+        wrenches[:, moment, component] = _column(table, column)[:-1]
     return wrenches
 
 
 def samples(table: RecordTable, slack: bool) -> Array:
-    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated."""
-    if has_any(table, SAMPLES):
-        return wrenches(table, SAMPLES, slack)
+    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated.
+
+    Raises:
+        InputError: nothing was read of a component, and there are no slack straps.
+    """
+    form = SAMPLES if has_any(table, SAMPLES) else READINGS
+    for column in form:
+        if not (slack or np.isfinite(_column(table, column)).any()):
+            raise table.fail(column.name, 0, "empty", "a reading of the load cell in one row or more")
+    if form is SAMPLES:
+        return wrenches(table, SAMPLES)
     readings = np.column_stack([_column(table, column) for column in READINGS])
-    for column, values in zip(READINGS, readings.T, strict=True):
-        if not slack:
-            _complete(table, column, values)
     return np.stack([readings[:-1], 0.5 * (readings[:-1] + readings[1:]), readings[1:]], axis=1)
-
-
-def _complete(table: RecordTable, column: Column, values: Array) -> None:
-    """A motion cannot be followed without the force that drives it."""
-    bad = np.flatnonzero(~np.isfinite(values))
-    if len(bad):
-        raise table.fail(column.name, int(bad[0]), "empty", "a reading of the load cell in every row")

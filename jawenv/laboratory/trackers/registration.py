@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,15 +13,20 @@ from scipy.spatial.transform import Rotation
 
 from jawenv.errors import InputError, not_among, shown
 from jawenv.files import read_mapping
-from jawenv.laboratory.trackers.tracks import Array, Tracks, millimetres
+from jawenv.laboratory.trackers.tracks import Array, Tracks, listed, millimetres
 
 LANDMARKS = ("incisor", "molar_left", "molar_right")
 """Between the lower incisors' edges, and the lower first molars: the contact points of ``Mandible.teeth_m``."""
 CLOSED_S = 0.1
 """s at the beginning of a file, in which the jaw is closed."""
-WORST_MARKERS_MM, WORST_LANDMARKS_MM = 5.0, 10.0
+USUAL_MARKERS_MM, WORST_MARKERS_MM = 2.0, 5.0
+"""Root mean square over all rows, and in the worst of them."""
+WORST_LANDMARKS_MM = 10.0
+FARTHEST_LANDMARK = 1e6
 LEAST_TRAVEL_MM, LARGEST_TRAVEL_MM = 2.0, 100.0
 FIXED = "fixed"
+SMOOTHED = "_smooth"
+"""End of the name of a body whose motion the tracker's software has smoothed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +38,14 @@ class Motion:
         place: (T, 3) mm of the body's origin; NaN likewise.
         reference: (3,) mm of it in the reference.
         residual_mm: root mean square distance of markers from a rigid body; 0 for a body of the tracker's own.
+        worst_mm: the same of the worst row.
     """
 
     turned: Array
     place: Array
     reference: Array
     residual_mm: float = 0.0
+    worst_mm: float = 0.0
 
     def carried(self, point: Array) -> Array:
         """(T, 3) places of a point (3,) of the body, given where it is in the reference."""
@@ -70,7 +77,10 @@ def body_motion(tracks: Tracks, names: Sequence[str]) -> Motion:
     """
     for name in names:
         if name not in tracks.places:
-            raise not_among(f"{tracks.path}: --jaw or --head", name, tracks.places)
+            near = not_among(f"{tracks.path}: --jaw or --head", name, [])
+            raise InputError(f"{near}{listed(tracks.places)}")
+    if len(set(names)) < len(names):
+        raise InputError(f"{tracks.path}: --jaw or --head is {listed(names)}; allowed: each name once")
     closed = tracks.time - tracks.time[0] <= CLOSED_S
     if len(names) == 1 and names[0] in tracks.rotations:
         place, rotations = tracks.places[names[0]], tracks.rotations[names[0]]
@@ -96,19 +106,24 @@ def _of_markers(tracks: Tracks, names: Sequence[str], closed: NDArray[np.bool_])
         rotation, distance = Rotation.align_vectors(points[i] - place[i], shape - centre)
         turned[i] = rotation.as_matrix()
         distances.append(distance)
-    residual = float(np.sqrt(np.mean(np.square(distances)) / len(names)))
-    if residual > WORST_MARKERS_MM:
-        raise InputError(
-            f"{tracks.path}: markers {', '.join(names)} move {residual:.3g} mm against each other; "
-            f"allowed: {WORST_MARKERS_MM:g} mm, markers of one body"
-        )
-    return Motion(turned, place, centre, residual)
+    each = np.array(distances) / np.sqrt(len(names))
+    residual, worst = float(np.sqrt(np.mean(each**2))), int(np.argmax(each))
+    for value, most, when in (
+        (residual, USUAL_MARKERS_MM, "usually"),
+        (float(each[worst]), WORST_MARKERS_MM, f"at {tracks.time[seen][worst]:.4g} s"),
+    ):
+        if value > most:
+            raise InputError(
+                f"{tracks.path}: markers {listed(names)} move {value:.3g} mm against each other {when}; "
+                f"allowed: {most:g} mm, markers of one body (empty where one is lost)"
+            )
+    return Motion(turned, place, centre, residual, float(each[worst]))
 
 
 def _check_seen(seen: NDArray[np.bool_], tracks: Tracks, names: Sequence[str]) -> None:
     if not seen.any():
         raise InputError(
-            f"{tracks.path}: {', '.join(names)} is lost in the first {CLOSED_S:g} s; allowed: seen, with the jaw closed"
+            f"{tracks.path}: {listed(names)} is lost in the first {CLOSED_S:g} s; allowed: seen, with the jaw closed"
         )
 
 
@@ -118,11 +133,17 @@ def relative(jaw: Motion, head: Motion | None) -> Motion:
         return jaw
     back = head.turned.transpose(0, 2, 1)
     place = (back @ (jaw.place - head.place)[..., None])[..., 0] + head.reference
-    return Motion(back @ jaw.turned, place, jaw.reference, max(jaw.residual_mm, head.residual_mm))
+    residuals = max(jaw.residual_mm, head.residual_mm), max(jaw.worst_mm, head.worst_mm)
+    return Motion(back @ jaw.turned, place, jaw.reference, *residuals)
 
 
-def read_landmarks(path: Path, tracks: Tracks) -> Array:
-    """(3, 3) mm: places of ``LANDMARKS`` with the jaw closed, in the tracker's axes; mm, or the ``unit`` in the file.
+def read_landmarks(path: Path, tracks: Tracks, axes: Array) -> Array:
+    """(3, 3) mm: places of ``LANDMARKS`` with the jaw closed; numbers in mm, or the ``unit`` in the file.
+
+    Args:
+        path: of the file.
+        tracks: with the markers that a landmark may be, already turned.
+        axes: (3, 3) by which numbers, which are in the tracker's axes, are turned as well.
 
     Raises:
         InputError: a missing or unknown landmark, or one that is neither three numbers nor a marker of the file.
@@ -131,7 +152,10 @@ def read_landmarks(path: Path, tracks: Tracks) -> Array:
     for name in fields:
         if name not in (*LANDMARKS, "unit"):
             raise not_among(f"{path}: landmark", name, (*LANDMARKS, "unit"))
-    scale = millimetres(fields.get("unit", "mm"), str(path))
+    unit = fields.get("unit", "mm")
+    if not isinstance(unit, str):
+        raise InputError(f"{path}: unit is {shown(unit)}; allowed: a text, as mm")
+    scale = millimetres(unit, str(path)) * axes
     places = []
     for name in LANDMARKS:
         if name not in fields:
@@ -140,15 +164,20 @@ def read_landmarks(path: Path, tracks: Tracks) -> Array:
     return np.array(places)
 
 
-def _landmark(value: Any, scale: float, tracks: Tracks, where: str) -> Array:
+def _landmark(value: Any, scale: Array, tracks: Tracks, where: str) -> Array:
     if isinstance(value, str) and value in tracks.places:
         closed = tracks.places[value][tracks.time - tracks.time[0] <= CLOSED_S]
         if np.isfinite(closed).all(axis=1).any():
             mean: Array = np.nanmean(closed, axis=0)
             return mean
-    elif isinstance(value, list) and len(value) == 3 and all(type(number) in (int, float) for number in value):
-        return scale * np.array(value, dtype=np.float64)
+    elif isinstance(value, list) and len(value) == 3 and all(_is_near(number) for number in value):
+        place: Array = scale @ np.array(value, dtype=np.float64)
+        return place
     raise InputError(f"{where} is {shown(value)}; allowed: three numbers, or a marker seen at the beginning")
+
+
+def _is_near(number: Any) -> bool:
+    return type(number) in (int, float) and abs(number) < FARTHEST_LANDMARK
 
 
 def register(landmarks: Array, teeth: Array, path: str) -> Registration:
@@ -188,21 +217,26 @@ def check_travel(place: Array) -> None:
     Raises:
         InputError: less than ``LEAST_TRAVEL_MM`` or more than ``LARGEST_TRAVEL_MM``.
     """
-    travel = float(np.nanmax(np.linalg.norm(place - place[np.isfinite(place).all(axis=1)][:1], axis=1)))
+    seen = place[np.isfinite(place).all(axis=1)]
+    travel = float(np.linalg.norm(seen - seen[:1], axis=1).max(initial=0.0))
     if not LEAST_TRAVEL_MM <= travel <= LARGEST_TRAVEL_MM:
         allowed = f"{LEAST_TRAVEL_MM:g} to {LARGEST_TRAVEL_MM:g} mm (the unit, --jaw and --head?)"
         raise InputError(f"the mouthpiece moves {travel:.3g} mm; allowed: {allowed}")
 
 
 def names_of(text: str | None, tracks: Tracks, option: str) -> list[str]:
-    """The names in an option, or the file's only body.
+    """The names in an option, or the file's only body beside smoothed ones.
 
     Raises:
-        InputError: nothing was named, and there is more than one to choose from.
+        InputError: nothing was named, and there is more than one to choose from, or none that was not smoothed.
     """
     if text is not None:
         return [name.strip() for name in text.split(",")]
-    if len(tracks.rotations) == 1 and set(tracks.rotations) == set(tracks.places):
-        return list(tracks.rotations)
-    allowed: Mapping[str, Array] = tracks.rotations or tracks.places
-    raise InputError(f"{tracks.path}: {option} is missing; allowed: names among {', '.join(allowed)}")
+    bodies = [name for name in tracks.rotations if not name.endswith(SMOOTHED)]
+    if len(bodies) == 1 and set(tracks.rotations) == set(tracks.places):
+        return bodies
+    if not tracks.places:
+        raise InputError(f"{tracks.path}: holds no marker and no body; allowed: one or more, beside forces")
+    names = listed(tracks.rotations or tracks.places)
+    why = f" (what ends in {SMOOTHED} has no noise of its own)" if tracks.rotations and not bodies else ""
+    raise InputError(f"{tracks.path}: {option} is missing; allowed: names among {names}{why}")

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError, printable, shown
 from jawenv.laboratory.recordings.dialects import number
 from jawenv.laboratory.recordings.mapping import UNITS, factor
+from jawenv.laboratory.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
+
+SLOWEST, FASTEST = 1e-3, 1e6
+"""Hz, of frames."""
+LARGEST_MM = 1e9
+"""Of a place: farther away no tracker sees."""
+LONGEST_LIST = 400
+"""Characters of names in a message."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,10 +31,15 @@ class Tracks:
     Attributes:
         path: of the file, for messages.
         time: (T,) s.
-        places: (T, 3) mm of each marker and each body's origin, by name; NaN where the tracker lost it.
+        places: (T, 3) mm of each marker and each body's origin, by name; NaN where the tracker lost it. A marker at
+            0, 0, 0 is a lost one, and so is a body there that is not turned.
         rotations: (T, 3, 3) of each body, body axes to the file's; NaN likewise.
         wrenches: (T, 6) N and N m, by name.
-        axes: (3, 3) from the file's axes to forward, left and up; None where the file is silent.
+        points: (T, 3) mm where a wrench acts, by its name; without one it is about the mouthpiece.
+        axes: (3, 3) from the file's axes to forward, left and up, by the name of what is in them; none where the file
+            is silent.
+        frames: name of the frame that each point or body is in; without one the same for all.
+        analog: channels beside the points, on their clock.
     """
 
     path: str
@@ -33,21 +47,68 @@ class Tracks:
     places: dict[str, Array]
     rotations: dict[str, Array] = field(default_factory=dict)
     wrenches: dict[str, Array] = field(default_factory=dict)
-    axes: Array | None = None
+    points: dict[str, Array] = field(default_factory=dict)
+    axes: dict[str, Array] = field(default_factory=dict)
+    frames: dict[str, str] = field(default_factory=dict)
+    analog: RecordTable | None = None
 
     def __post_init__(self) -> None:
-        """Check that there are times and that rotations are rotations.
+        """Check times and rotations, and take lost markers out.
 
         Raises:
-            InputError: fewer than two rows, or a matrix that mirrors or scales.
+            InputError: fewer than two rows, times that do not grow, a matrix that mirrors or scales, or a place that is
+                too far away.
         """
         if len(self.time) < 2:
             raise InputError(f"{self.path}: holds {len(self.time)} rows; allowed: two or more")
+        if not (np.diff(self.time) > 0.0).all():
+            raise InputError(f"{self.path}: times do not grow, or one is missing; allowed: growing seconds")
+        for name, place in self.places.items():
+            if (np.abs(place) > LARGEST_MM).any():
+                far = f"{float(np.nanmax(np.abs(place))):.3g} mm"
+                raise InputError(f"{self.path}: {shown(name)} is {far} away; allowed: {LARGEST_MM:g} mm (the unit?)")
+            lost = (place == 0.0).all(axis=1)
+            if name in self.rotations:  # one that is given from its own beginning is there in the first row
+                lost &= (self.rotations[name] == np.eye(3)).all(axis=(1, 2)) & ~lost[0]
+            self.places[name] = np.where(lost[:, None], np.nan, place)
         for name, matrices in self.rotations.items():
             seen = matrices[np.isfinite(matrices).all(axis=(1, 2))]
-            product = seen @ seen.transpose(0, 2, 1)
+            with np.errstate(over="ignore", invalid="ignore"):
+                product = seen @ seen.transpose(0, 2, 1)
             if not (np.allclose(product, np.eye(3), atol=1e-3) and (np.linalg.det(seen) > 0.0).all()):
                 raise InputError(f"{self.path}: rotations of {shown(name)} mirror or scale; allowed: proper rotations")
+
+    def beside(self, name: str) -> Tracks:
+        """What is in the frame of a point or body, turned to forward, left and up where the file states its axes."""
+        axes = self.axes.get(name, np.eye(3))
+        names = [one for one in self.places if self.frames.get(one) == self.frames.get(name)]
+        return replace(
+            self,
+            places={one: self.places[one] @ axes.T for one in names},
+            rotations={one: axes @ self.rotations[one] @ axes.T for one in names if one in self.rotations},
+        )
+
+
+def is_rate(value: object) -> bool:
+    """Whether a file's word can be its frames per second."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and SLOWEST < value < FASTEST
+
+
+def distinct(labels: Sequence[str]) -> list[str]:
+    """Labels, with a number behind those that stand there several times."""
+    times, met = Counter(labels), Counter[str]()
+    told = []
+    for label in labels:
+        met[label] += 1
+        told.append(label if times[label] == 1 else f"{label} ({met[label]})")
+    return told
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names for a message, as many as fit a line."""
+    every = [printable(name) for name in names]
+    text = ", ".join(every)
+    return text if len(text) <= LONGEST_LIST else f"{text[:LONGEST_LIST]} ... ({len(every)} names)"
 
 
 def millimetres(unit: str | None, path: str) -> float:
@@ -88,11 +149,11 @@ def numbers(path: str, lines: Sequence[tuple[int, str]], names: Sequence[str], s
     return np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
 
 
-def whole(path: str, rows: int, stated: object, field_name: str) -> None:
-    """Check that a file holds as many rows as its header states.
+def whole(path: str, rows: int, stated: str | None, field_name: str) -> None:
+    """Check that a file holds as many rows as its header states, if it does.
 
     Raises:
-        InputError: it does not.
+        InputError: it holds others.
     """
-    if str(stated) != str(rows):
+    if stated is not None and stated.strip() != str(rows):
         raise InputError(f"{path}: holds {rows} rows; allowed: {shown(stated)}, its {field_name} (a truncated file?)")

@@ -130,6 +130,24 @@ def test_unix_times_are_even(tmp_path):
     assert record.dt == pytest.approx(0.01, rel=1e-6) and record.time[0] == 0.0
 
 
+@pytest.mark.parametrize("hz", [60.0, 75.0, 100.0, 120.0, 150.0, 240.0, 300.0, 500.0, 1000.0])
+@pytest.mark.parametrize("stamp", [np.round, lambda times: np.floor(times + 1e-6), lambda times: np.ceil(times - 1e-6)])
+def test_stamps_in_milliseconds_are_even(tmp_path, hz, stamp):
+    times = stamp(1e3 * (0.4 + np.arange(3000) / hz)) / 1e3
+    assert load_record(written(tmp_path, timed(times))).dt == pytest.approx(1.0 / hz, rel=1e-3)
+    six_digits = [float(f"{time:.6g}") for time in 95.0 + np.arange(3000) / hz]
+    assert load_record(written(tmp_path, timed(six_digits))).dt == pytest.approx(1.0 / hz, rel=1e-3)
+    for gone in (1, 1500, 2998):
+        with pytest.raises(InputError, match="even steps.*or --resample HZ"):
+            load_record(written(tmp_path, timed(np.delete(times, gone))))
+
+
+def test_a_clock_that_speeds_up_is_not_even(tmp_path):
+    steps = np.linspace(0.0098, 0.0102, 1000)
+    with pytest.raises(InputError, match="even steps, 0.01.* s in most rows"):
+        load_record(written(tmp_path, timed(np.cumsum(steps))))
+
+
 @pytest.mark.parametrize(
     ("word", "told"),
     [

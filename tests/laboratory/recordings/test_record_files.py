@@ -190,7 +190,7 @@ def test_the_start_is_the_motion_that_explains_the_first_reading(model):
         ([ROWS[0], ROWS[1][4:], ROWS[2]], HEADER, ["time_s", "row 3", "missing"]),
         ([*ROWS, "0.05" + ROWS[2][4:]], HEADER, ["time_s", "row 5", "0.05", "even"]),
         ([ROWS[1], ROWS[0], ROWS[2]], HEADER, ["time_s", "row 3", "even"]),
-        ([ROWS[0], ROWS[1].replace(",2,2,3", ",2,,3"), ROWS[2]], HEADER, ["force_y_N", "row 3", "empty"]),
+        ([row.replace(",2,3,0.1", ",,3,0.1") for row in ROWS], HEADER, ["force_y_N", "row 2", "empty"]),
         ([ROWS[0], ROWS[1] + ",7", ROWS[2]], HEADER, ["row 3", "10 values", "9"]),
         ([ROWS[0].replace("80", "inf"), *ROWS[1:]], HEADER, ["mouthpiece_x_mm", "row 2", "infinite"]),
         (["0,,,1,2,3,0.1,0.2,0.3", *ROWS[1:]], HEADER, ["no encoder", "row 2"]),

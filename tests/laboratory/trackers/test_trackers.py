@@ -12,39 +12,10 @@ from jawenv.laboratory.trackers.clocks import clock_offset
 from jawenv.laboratory.trackers.importing import ImportSettings, import_file
 from tests import tracker_files as files
 from tests.recorded import opening
+from tests.tracker_imports import FORMATS, assert_same_motion, imported
 
 pytest.importorskip("ezc3d")
 pytest.importorskip("h5py")
-
-MARKERS = {"jaw": "J0,J1,J2", "head": "H0,H1,H2"}
-FORMATS = {
-    "c3d": (files.write_c3d, "chew.c3d", MARKERS),
-    "trc": (files.write_trc, "chew.trc", MARKERS),
-    "hdf5": (files.write_hdf5, "chew.h5", {}),
-    "mot": (files.write_mot, "chew.mot", {}),
-    "sto": (files.write_mot, "chew.sto", {}),
-    "bids": (files.write_bids, "sub-1_task-chew_tracksys-jts_motion.tsv", {}),
-}
-
-
-def imported(folder, kind, spoil=None, landmarks=None, write=None, **settings):
-    """The lines and the recording of a file of this format, with forces of the same clock."""
-    usual, name, named = FORMATS[kind]
-    path, moved = folder / name, files.jaw()
-    (write or usual)(path, moved)
-    if spoil is not None:
-        spoil(path)
-    asked = {"forces": files.write_csv(folder / "forces.csv", moved.columns()), "offset_s": 0.0, **named, **settings}
-    if "registered" not in asked:
-        asked["landmarks"] = landmarks or files.write_landmarks(folder / "landmarks.toml")
-    lines = import_file(path, folder / "out.csv", ImportSettings(**asked))
-    return lines, load_record(folder / "out.csv")
-
-
-def assert_same_motion(record, moved, atol_mm):
-    np.testing.assert_allclose(1e3 * record.measured[:, :3], moved.place(files.MOUTHPIECE_MM), atol=atol_mm)
-    np.testing.assert_allclose(record.measured[:, 3:6], moved.turned.as_euler("YZX"), atol=2e-3 * atol_mm + 1e-6)
-    np.testing.assert_allclose(record.samples[:, 0], moved.wrench[:-1], atol=1e-6)
 
 
 @pytest.mark.parametrize("kind", FORMATS)
@@ -159,6 +130,13 @@ UPSIDE_DOWN = "pitch_deg: -.* allowed: -5 to 45 deg"
         ("hdf5", without("rotations"), {}, "data set 'rotations' is missing"),
         ("hdf5", cut(0.7), {}, "allowed: a whole HDF5 file"),
         ("mot", replaced("inDegrees=yes", ""), {}, "inDegrees is ''; allowed: yes or no"),
+        ("mot", replaced("mandible_rz", "mandible_tx"), {}, "a column stands there twice"),
+        ("bids", beside("_channels.tsv", lambda path: path.write_text("")), {}, "column 'name' is missing"),
+        ("bids", beside("_channels.tsv", replaced("\tmm\tlab", "")), {}, "row 2 has 4 values; allowed: 6"),
+        ("bids", beside("_channels.tsv", replaced("m_y\ty", "m_y\tx")), {}, "stands there twice"),
+        ("bids", beside("_motion.json", replaced("100.0", "1" + "0" * 400)), {}, "SamplingFrequency is"),
+        ("bids", beside("_channels.json", lambda path: path.write_text('{"reference_frame": null}')), {}, "is None"),
+        ("bids", beside("_channels.json", replaced('{"lab": "fixed to the room"}', '"x"')), {}, "Levels is 'x'"),
         ("mot", None, {"unit": "mm"}, "the mouthpiece moves .* allowed: 2 to 100 mm"),
         ("mot", replaced("mandible_rx", "mandible_qx"), {}, "column 'mandible_rx' is missing"),
         ("mot", cut(0.5), {}, r"row \d+ has \d+ values; allowed: 7|a truncated file"),
