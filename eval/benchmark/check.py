@@ -32,7 +32,7 @@ _KINDS = {"task": "O", "agent": "O", "seed": "i", "violated": "b", "completed": 
 _LONGEST_S = max(task.episode_s for task in TASKS.values())
 _REMEDY = "get the submission again"
 CANNOT_KNOW = (
-    "whether an agent was made for these patients, whose seeds are public",
+    "whether an agent was made for these patients, whose seeds are public, unless fresh ones are played",
     "whether a module reads or changes files and other processes of this machine, whose rights it has",
     "who made the submission, when, and on what: command, commit and machine are what it says",
 )
