@@ -80,8 +80,12 @@ def _leaning(both: pd.DataFrame) -> Iterator[str]:
             number = int(counts.sum())
             if number and binomtest(lower, number).pvalue < LEAST_CHANCE:
                 yield f"{name}: {column} of {max(lower, number - lower)} of {number} patients differs the same way"
-            elif _chance_of_mean(np.where(counts & np.isfinite(difference), difference, 0.0)) < LEAST_CHANCE:
-                yield f"{name}: {column} differs by {difference[counts].sum() / len(rows):.3g} on average"
+                continue
+            share = difference if column in TIMES else difference / np.maximum(np.abs(played), _SMALL)
+            counted = np.where(counts & np.isfinite(share), share, 0.0)
+            if _chance_of_mean(counted) < LEAST_CHANCE:
+                unit = "s" if column in TIMES else "of itself"
+                yield f"{name}: {column} differs by {counted.mean():.3g} {unit} on average"
 
 
 def _chance_of_mean(differences: npt.NDArray[np.float64]) -> float:

@@ -43,7 +43,8 @@ def is_label_of(label: str, name: str) -> bool:
 
 def _plain(label: str) -> str:
     if label != label_of(label):
-        raise ValueError(f"is {shown(label)}; allowed: letters, digits, blanks and ._-(), {LONGEST_LABEL} at most")
+        signs = "printable letters, digits, blanks and ._-()"
+        raise ValueError(f"is {shown(label)}; allowed: {signs}, {LONGEST_LABEL} at most")
     return label
 
 

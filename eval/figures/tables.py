@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
-_MEANT = re.compile(r"[&<>|`*~$\[\]{}\\]|(?<!\w)_|_(?!\w)|\s")
+_MEANT = re.compile(r"[&<>|`*~$\[\]{}\\]|(?<![^\W_])_|_(?![^\W_])|\s")
 
 
 def plain(text: str) -> str:
