@@ -139,7 +139,8 @@ def digest_of(folder: Path) -> str:
         InputError: one cannot be read.
     """
     files = [folder / name for name in (FILE, PATIENTS, PAGE)]
-    files += sorted(path for path in (folder / AGENTS).rglob("*") if not path.is_dir())
+    copies = folder / AGENTS
+    files += [] if copies.is_symlink() else sorted(path for path in copies.rglob("*") if not path.is_dir())
     content = hashlib.sha256()
     for file in files:
         content.update(file.relative_to(folder).as_posix().encode() + b"\0" + hashlib.sha256(read_bytes(file)).digest())

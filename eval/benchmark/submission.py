@@ -338,6 +338,6 @@ def _check_origin(agent: SubmittedAgent, file: Path) -> None:
             raise InputError(f"{file}: agent {shown(agent.spec)} is none of jawenv's, and the folder has no copy of it")
         return
     copy_at = PurePosixPath(agent.copy_at)
-    inside = _real(file.parent / copy_at).is_relative_to(_real(file.parent / AGENTS))
+    inside = _real(file.parent / copy_at).is_relative_to(_real(file.parent) / AGENTS)
     if copy_at.parts[:1] != (AGENTS,) or ".." in copy_at.parts or "\\" in agent.copy_at or not inside:
         raise InputError(f"{file}: copy_at is {shown(agent.copy_at)}; allowed: a path within {AGENTS}/")

@@ -17,6 +17,9 @@ from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
 from eval.commands.app import main
 from eval.commands.benchmark import BASELINES
+from eval.kept.cells import play_cells
+from eval.kept.entries import Entry
+from eval.kept.parts import Run
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
 from tests.eval.benchmark.conftest import CIRCLES, play
@@ -199,3 +202,17 @@ def test_patients_are_played_in_parts_of_fifty_so_that_a_part_can_be_checked(tmp
     parts = replace(cell, seeds=cell.seeds[:70]).parts(tmp_path)
     assert [(part.first, part.number) for part in parts] == [(50_000, 50), (50_050, 20)]
     assert len(cell.parts(tmp_path)) == 2
+
+
+def test_an_agent_draws_by_the_place_of_its_part_and_not_by_the_worlds_seed(tmp_path, monkeypatch):
+    told, real = [], Entry.play
+
+    def heard(entry, *more, **changes):
+        told.append(entry.agent_seed)
+        return real(entry, *more, **changes)
+
+    monkeypatch.setattr(Entry, "play", heard)
+    (cell,) = cells_of(["random"], tasks_named(["hinge-exact"]))
+    for seeds, folder in ((cell.seeds[:3], "a"), (cell.seeds[7:10], "b")):
+        play_cells([replace(cell, seeds=seeds, size=2)], tmp_path / folder, Run(workers=1))
+    assert told == [0, 2, 0, 2]
