@@ -45,6 +45,7 @@ class Replay(BatchAgent):
         name: as given.
         control: "targets".
         decision_hz: as given.
+        number: of sequences.
     """
 
     control: Control = "targets"
@@ -52,6 +53,7 @@ class Replay(BatchAgent):
     def __init__(self, name: str, actions: Array, decision_hz: float) -> None:
         self.name, self.decision_hz = name, decision_hz
         self._actions, self._step = actions, 0
+        self.number = len(actions)
 
     @classmethod
     def load(cls, path: Path) -> Replay:

@@ -27,6 +27,7 @@ from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.online import OnlineFilter
 from jawenv.laboratory.recordings.of_simulation import record_of
+from jawenv.playing.agents import own_seed
 
 ROWS = ("the belief", "the truth")
 EVERY = 20  # ticks from one belief to the next
@@ -79,7 +80,7 @@ def records(arguments: argparse.Namespace) -> tuple[list[Any], Any]:
     seeds = list(range(arguments.seed, arguments.seed + arguments.patients))
     agent: Any = load_agent(arguments.agent, control="targets")
     observation, _ = envs.reset(seed=seeds)
-    agent.reset(arguments.patients, seeds[0])
+    agent.reset(arguments.patients, own_seed())
     for _ in range(round(arguments.seconds * envs.unwrapped.simulation.configuration.steps_per_s)):
         observation, *_ = envs.step(agent.predict(observation)[0].astype(np.float32))
     simulation = envs.unwrapped.simulation

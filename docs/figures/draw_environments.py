@@ -30,7 +30,7 @@ def filmed(env_id: str) -> list[tuple[float, np.ndarray]]:
     agent = jawenv.Player(MANEUVER, control="targets")
     renderer, views = JawRenderer(WIDTH), []
     observation, info = env.reset(seed=0)
-    agent.reset(1, 0)
+    agent.reset(1)
     while info["time"] < SHOWN_S:
         action, _ = agent.predict(observation)
         before = info["time"]

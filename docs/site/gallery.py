@@ -113,7 +113,7 @@ def _pictures(name: str) -> Iterator[np.ndarray]:
     env = gym.make("jawenv/Jaw-v3", control="targets", control_hz=STEPS_PER_S, episode_s=SHOWN_S).unwrapped
     agent, renderer = jawenv.Player(name, control="targets", control_hz=STEPS_PER_S), JawRenderer(WIDTH)
     observation, _ = env.reset(seed=0)
-    agent.reset(1, 0)
+    agent.reset(1)
     done = False
     while not done:
         yield renderer.draw(build_scene(env.simulation))

@@ -1,4 +1,7 @@
-"""The leaderboard: the benchmark's baselines and submissions, each task's score as points."""
+"""The leaderboard: the benchmark's baselines and submissions, each task's score as points.
+
+A submission's scores are those that the checker played on fresh patients (`eval.benchmark.fresh`), where there are any.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,13 @@ from purposes import purpose
 from table_page import FOLDER, first_table
 
 from agents.planners import PLANNERS
+from eval.benchmark import fresh, submission
 from eval.benchmark.check import CANNOT_KNOW
 from eval.benchmark.tasks import TASKS, VERSION
 from eval.figures import words
-from eval.figures.tables import Table
+from eval.figures.tables import Marked, Table, plain
+from jawenv.errors import InputError
+from jawenv.files import read_model
 from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
@@ -23,15 +29,16 @@ TABLE = FOLDER / "benchmark.md"
 SUBMISSIONS = Path(__file__).parents[1] / "submissions"
 STILL, CLAIRVOYANT = "hold_still", "clairvoyant"
 TITLE = re.compile(r"^# Benchmark (\S+)$", re.M)
-GROUPS = ("Learned", "Planned", "Searched", "Made by hand", "Random actions", "From elsewhere")
+ELSEWHERE, UNCHECKED = "From elsewhere", "From elsewhere, not checked"
 Scores = dict[str, dict[str, float]]
 """Agent -> task -> s; tasks that it does not play are left out."""
 HOW = f"""## How to submit
 
 1. In a clone without changes, play all patients: `python -m eval benchmark AGENT --output docs/submissions/NAME`.
 2. Delete `parts/` in that folder, and open a pull request with the rest ([what it holds](benchmark.md#submission)).
-3. A maintainer plays it again: `python -m eval benchmark --check docs/submissions/NAME`.
-4. When the request is merged, this page has its points.
+3. A maintainer plays it again, with `--fresh-seeds 50` on patients whom nobody could know:
+   `python -m eval benchmark --check docs/submissions/NAME --fresh-seeds 50`. That writes `checked.json` anew.
+4. When the request is merged, this page has its points, of the fresh patients. Without that check it stands last.
 
 Tasks are those of `{VERSION}`; submissions of another version are left out.
 
@@ -39,22 +46,56 @@ Tasks are those of `{VERSION}`; submissions of another version are left out.
 
 A check proves that the submitted agent gets these scores on these patients with this code. It cannot know:
 """
+LEFT_OUT = "\n## Left out\n"
 
 
 def page() -> str:
     """The page as Markdown."""
     version, baselines = _read(TABLE)
-    scores = dict(baselines)
-    for path in sorted(SUBMISSIONS.glob("*/benchmark.md")):
-        submitted, more = _read(path)
-        scores |= {f"{name} ({path.parent.name})": times for name, times in more.items() if submitted == version}
+    submitted, checked, left_out = _submissions()
+    if version != VERSION:
+        left_out += [f"{name}: is of {VERSION}, the scores above of {version}" for name in submitted]
+        submitted = {}
     banner = f"**Older patients.** These are scores of `{version}`; tasks are now `{VERSION}`.\n\n"
     limits = "\n".join(f"- {line};" for line in CANNOT_KNOW).removesuffix(";") + "."
+    without = "".join(f"\n- {plain(line)}" for line in left_out)
     return (
         "# Leaderboard\n\nSee here which agent finds the truth soonest, and submit your own. "
         "Tasks: [benchmark](benchmark.md). Scores in seconds with intervals: [table](tables.md#benchmark).\n\n"
-        f"{banner if version != VERSION else ''}{_table(scores, baselines).markdown()}\n\n{HOW}\n{limits}\n"
+        f"{banner if version != VERSION else ''}{_table(baselines, submitted, checked).markdown()}\n\n{HOW}\n{limits}\n"
+        f"{without and f'{LEFT_OUT}{without}{chr(10)}'}"
     )
+
+
+def _submissions() -> tuple[Scores, set[str], list[str]]:
+    """Scores of submissions, who of them was checked on fresh patients, and a line for each that is left out."""
+    scores: Scores = {}
+    checked, left_out = set(), []
+    for folder in sorted(path for path in SUBMISSIONS.glob("*") if path.is_dir()):
+        try:
+            given = submission.read(folder)
+            played = _fresh_times(folder)
+        except InputError as error:
+            left_out.append(str(error).replace(f"{SUBMISSIONS}/", ""))
+            continue
+        for score in given.scores:
+            name = f"{score.agent} ({folder.name})"
+            scores.setdefault(name, {})[score.task] = played.get((score.task, score.agent), score.score_s)
+            checked |= {name} if played else set()
+    return scores, checked, left_out
+
+
+def _fresh_times(folder: Path) -> dict[tuple[str, str], float]:
+    """Scores on fresh patients, by task and agent; none where nobody has checked the submission as it is."""
+    path = folder / fresh.CHECKED
+    if not path.exists():
+        return {}
+    found = read_model(path, fresh.Checked)
+    if found.submission != fresh.digest_of(folder):
+        raise InputError(f"{path}: is of other files; check the submission again")
+    for score in found.scores:
+        submission.check_times(path, score.task, (score.fresh_s,))
+    return {(score.task, score.agent): score.fresh_s for score in found.scores}
 
 
 def _read(path: Path) -> tuple[str, Scores]:
@@ -67,24 +108,26 @@ def _read(path: Path) -> tuple[str, Scores]:
     return TITLE.findall(text)[0], scores
 
 
-def _table(scores: Scores, baselines: Scores) -> Table:
-    """Points of every agent, best of its group first, below the seconds that they are reckoned from."""
+def _table(baselines: Scores, submitted: Scores, checked: set[str]) -> Table:
+    """Points of every agent, the best first, below the seconds that they are reckoned from."""
     tasks = list(dict.fromkeys(task for times in baselines.values() for task in times))
     ends = {task: _ends(task, baselines) for task in tasks}
     points = {
-        name: {task: _points(time, ends[task]) for task, time in times.items()}
-        for name, times in scores.items()
+        name: {task: _points(times[task], ends[task]) for task in tasks if task in times}
+        for name, times in (baselines | submitted).items()
         if name != STILL
     }
-    mean = {name: sum(row.values()) / max(len(row), 1) for name, row in points.items()}
+    mean = {name: sum(row.values()) / len(tasks) for name, row in points.items()}
+    groups = {name: _group(name) for name in baselines}
+    groups |= {name: ELSEWHERE if name in checked else UNCHECKED for name in submitted}
     table = [
-        [f"*{text}*", "", "", "", *(f"{ends[task][number]:.2f} s" for task in tasks)]
+        [Marked(f"*{text}*"), "", "", "", *(f"{ends[task][number]:.2f} s" for task in tasks)]
         for number, text in enumerate(("0 points", "100 points"))
     ]
-    for name in sorted(points, key=lambda name: (GROUPS.index(_group(name)), -mean[name])):
+    for name in sorted(points, key=lambda name: (groups[name] == UNCHECKED, -mean[name])):
         cells = [words.number(points[name].get(task, math.nan), 0) for task in tasks]
-        table.append([words.label(name), _group(name), words.number(mean[name], 0), str(len(points[name])), *cells])
-    note = f"{_scale(tasks, baselines)} Mean: of the tasks that the agent plays; their number stands beside it."
+        table.append([words.label(name), groups[name], words.number(mean[name], 0), str(len(points[name])), *cells])
+    note = f"{_scale(tasks, baselines)} Mean: over all tasks; one that an agent does not play counts 0."
     return Table(["agent", "group", "mean", "tasks", *tasks], table, (0, 1), note)
 
 
@@ -125,4 +168,4 @@ def _group(name: str) -> str:
         return "Planned"
     if name in maneuver_names():
         return "Searched" if purpose(MANEUVERS / f"{name}.yaml") else "Made by hand"
-    return "Random actions" if name in BASELINES else "From elsewhere"
+    return "Random actions" if name in BASELINES else ELSEWHERE

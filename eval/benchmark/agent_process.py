@@ -1,16 +1,20 @@
 """Agents with code to run on loading, in a process of their own: observations in, actions out, as lines of JSON.
 
 Neither process unpickles what the other writes, and the agent's has no object of an environment. It has the rights of
-whoever starts it: files and other processes are not kept from it.
+whoever starts it: files and other processes are not kept from it. Questions and answers have descriptors of their own:
+0 to 2 are the agent's, with nothing to read. An answer that is late, or no answer, ends the process.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import selectors
 import signal
 import subprocess
 import sys
+import time
 import weakref
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -23,7 +27,13 @@ from jawenv.errors import InputError, shown
 from jawenv.named_objects import is_named
 from jawenv.playing.agents import Action, Agent, Mask, Observation, State, checked_decision
 
+DECISION_S = 20.0
+"""Longest time that an agent may take for one decision, of up to 50 worlds: twice the device's 0.2 s for each."""
+LOADING_S = 60.0
+"""Longest time until it is loaded."""
 _LONGEST_LINE = 2**24  # bytes
+_PIECE = 2**16  # bytes
+_MOST_FILES = 1000
 _LONGEST_TEXT = 200
 _ACTION_SIZE = 4
 
@@ -53,23 +63,35 @@ class AgentProcess:
         made_of: files that decide its actions, beside its module.
 
     Raises:
-        InputError: `load_agent` refuses it, or its process ends or answers something else than was asked for.
+        InputError: `load_agent` refuses it, or its process ends, is late, or answers something else than was asked for.
     """
 
     def __init__(self, spec: str, **settings: Any) -> None:
         self._spec = spec
-        paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", __name__],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env={**os.environ, "PYTHONPATH": paths},
-        )
-        weakref.finalize(self, _end, self._process)
-        answer = self._ask({"spec": spec, "settings": settings})
+        theirs, self._questions = os.pipe()
+        self._answers, answers = os.pipe()
+        try:
+            paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
+            process = subprocess.Popen(
+                [sys.executable, "-m", __name__, str(theirs), str(answers)],
+                stdin=subprocess.DEVNULL,
+                stdout=2,
+                pass_fds=(theirs, answers),
+                start_new_session=True,  # with the programs that it starts, it can be ended as a whole
+                env={**os.environ, "PYTHONPATH": paths},
+            )
+        finally:
+            os.close(theirs)
+            os.close(answers)
+        self._end = weakref.finalize(self, _end, process, self._questions, self._answers)
+        os.set_blocking(self._questions, False)
+        os.set_blocking(self._answers, False)
+        answer = self._ask({"spec": spec, "settings": settings}, LOADING_S)
         self.name, self.description = self._text(answer, "name"), self._text(answer, "description")
         self.made_of = answer.get("made_of", [])
-        if answer.get("control") in CONTROLS:
+        if not isinstance(self.made_of, list) or len(self.made_of) > _MOST_FILES:
+            raise InputError(f"agent '{spec}': made_of is {shown(self.made_of)}; allowed: {_MOST_FILES} paths at most")
+        if answer.get("control") in tuple(CONTROLS):
             self.control = answer["control"]
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
@@ -86,27 +108,65 @@ class AgentProcess:
         """See `Agent.predict`; a state stays in the other process."""
         starts = None if episode_start is None else np.asarray(episode_start).tolist()
         answer = self._ask({"observation": np.asarray(observation).tolist(), "starts": starts, "same": deterministic})
-        try:
-            action = np.array(answer.get("action"), dtype=np.float32)
-        except (TypeError, ValueError):
-            action = np.empty(0, dtype=np.float32)
+        action = _numbers(answer.get("action"))
         expected = (*np.shape(observation)[:-1], _ACTION_SIZE)
         if action.shape != expected:
             raise InputError(f"agent '{self._spec}': actions of shape {action.shape}; allowed: {expected}")
+        if not np.isfinite(action).all():
+            raise InputError(f"agent '{self._spec}': actions hold a value that is not finite")
         return action, None
 
-    def _ask(self, question: dict[str, Any]) -> dict[str, Any]:
-        assert self._process.stdin is not None and self._process.stdout is not None
+    def _ask(self, question: dict[str, Any], limit_s: float | None = None) -> dict[str, Any]:
+        limit_s = DECISION_S if limit_s is None else limit_s
         try:
-            _write(self._process.stdin, question)
-            answer = _read(self._process.stdout)
-        except (OSError, ValueError):
-            answer = None
-        if answer is None:
-            raise InputError(f"agent '{self._spec}': its process has ended, or answers something else than JSON")
+            if not self._end.alive:
+                raise EOFError
+            answer = _content(self._exchanged(_line(question), time.monotonic() + limit_s))
+        except TimeoutError:
+            self._end()
+            raise InputError(f"agent '{self._spec}': no answer within {limit_s:g} s") from None
+        except (OSError, EOFError, ValueError, RecursionError):
+            self._end()
+            raise InputError(
+                f"agent '{self._spec}': its process has ended, or answers something else than JSON"
+            ) from None
+        except BaseException:  # an interrupt: the answer would be taken for the next question's
+            self._end()
+            raise
         if "error" in answer:
-            raise InputError(" ".join(str(answer["error"]).split())[: 2 * _LONGEST_TEXT])
+            error = answer["error"] if isinstance(answer["error"], str) else "an error that is no text"
+            raise InputError(" ".join(error[:_LONGEST_LINE].split())[: 2 * _LONGEST_TEXT])
         return answer
+
+    def _exchanged(self, question: bytes, until: float) -> bytes:
+        """Send a line, and receive one.
+
+        Raises:
+            TimeoutError: not before `until`, in `time.monotonic`.
+            EOFError: the other end is closed.
+            ValueError: the line is too long, or followed by more than was asked for.
+        """
+        unsent, answer = memoryview(question), bytearray()
+        with selectors.DefaultSelector() as ready:
+            ready.register(self._answers, selectors.EVENT_READ)
+            ready.register(self._questions, selectors.EVENT_WRITE)
+            while b"\n" not in answer[-_PIECE:]:
+                if (left := until - time.monotonic()) <= 0.0:
+                    raise TimeoutError
+                for key, _ in ready.select(left):
+                    if key.fd == self._questions:
+                        unsent = unsent[os.write(self._questions, unsent[:_PIECE]) :]
+                        if not unsent:
+                            ready.unregister(self._questions)
+                    elif piece := os.read(self._answers, _PIECE):
+                        answer += piece
+                    else:
+                        raise EOFError
+                if len(answer) > _LONGEST_LINE:
+                    raise ValueError
+        if unsent or answer.index(b"\n") < len(answer) - 1:
+            raise ValueError
+        return bytes(answer)
 
     def _text(self, answer: dict[str, Any], name: str) -> str:
         text = answer.get(name)
@@ -115,25 +175,37 @@ class AgentProcess:
         return text
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
-    process.communicate()
+def _end(process: subprocess.Popen[bytes], *descriptors: int) -> None:
+    """End a process and all that it started; nothing is waited for that another process could hold open."""
+    for descriptor in descriptors:
+        os.close(descriptor)
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
-def _write(stream: BinaryIO | Any, content: dict[str, Any]) -> None:
-    stream.write(json.dumps(content).encode() + b"\n")
-    stream.flush()
+def _numbers(answer: Any) -> Action:
+    """Actions of an answer; of shape (0,) where it holds anything but numbers."""
+    try:
+        values = np.array(answer)
+        with np.errstate(over="ignore"):
+            return values.astype(np.float32) if values.dtype.kind in "iuf" else np.empty(0, dtype=np.float32)
+    except (TypeError, ValueError, OverflowError):
+        return np.empty(0, dtype=np.float32)
 
 
-def _read(stream: BinaryIO | Any) -> dict[str, Any] | None:
-    """The next line; None at the end.
+def _line(content: dict[str, Any]) -> bytes:
+    return json.dumps(content).encode() + b"\n"
+
+
+def _content(line: bytes) -> dict[str, Any]:
+    """What a line of JSON holds.
 
     Raises:
         ValueError: it is no object of JSON.
     """
-    line = stream.readline(_LONGEST_LINE)
-    content = json.loads(line) if line else None
-    if content is not None and not isinstance(content, dict):
+    content = json.loads(line)
+    if not isinstance(content, dict):
         raise ValueError
     return content
 
@@ -170,18 +242,21 @@ def _about(agent: Any) -> dict[str, Any]:
     return {"name": agent.name, "description": description, "control": getattr(agent, "control", ""), "made_of": files}
 
 
-def _serve() -> None:
-    """Answer the questions of the standard input until it ends; prints of the agent go to the standard error."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends with the other process
-    answers, stream = _Answers(), os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
-    while (question := _read(sys.stdin.buffer)) is not None:
+def _serve(questions: BinaryIO, answers: BinaryIO) -> None:
+    """Answer questions until they end."""
+    part = _Answers()
+    for question in questions:
         try:
-            answer = answers.to(question)
+            answer = _line(part.to(_content(question)))
         except Exception as error:  # code of the user's can raise anything
-            answer = {"error": str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"}
-        _write(stream, answer)
+            said = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
+            answer = _line({"error": said})
+        answers.write(answer)
+        answers.flush()
 
 
 if __name__ == "__main__":
-    _serve()
+    own = [int(descriptor) for descriptor in sys.argv[1:3]]
+    for descriptor in own:
+        os.set_inheritable(descriptor, False)  # programs that the agent starts have no part in this
+    _serve(os.fdopen(own[0], "rb"), os.fdopen(own[1], "wb"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -12,9 +12,9 @@ import numpy as np
 import pandas as pd
 
 from eval.benchmark import differences, submission, tables
-from eval.benchmark.run import cell_of
+from eval.benchmark.labels import is_label_of
 from eval.benchmark.scores import by_cell
-from eval.benchmark.submission import PAGE, PATIENTS, Submission, SubmittedAgent, SubmittedScore
+from eval.benchmark.submission import PAGE, PATIENTS, Submission, SubmittedScore
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, TASKS
 from eval.kept.cells import Cell, play_parts
 from eval.kept.parts import Part, Run
@@ -32,7 +32,7 @@ _KINDS = {"task": "O", "agent": "O", "seed": "i", "violated": "b", "completed": 
 _LONGEST_S = max(task.episode_s for task in TASKS.values())
 _REMEDY = "get the submission again"
 CANNOT_KNOW = (
-    "whether an agent was made for these patients, whose seeds are public",
+    "whether an agent was made for these patients, whose seeds are public, unless fresh ones are played",
     "whether a module reads or changes files and other processes of this machine, whose rights it has",
     "who made the submission, when, and on what: command, commit and machine are what it says",
 )
@@ -49,6 +49,7 @@ class Checked:
         faults: differences, a line each; none if all reproduces.
         patients: of each score; 0 where nothing was played.
         exact: whether every column was compared to the bit, on the platform that made them.
+        rows: of the episodes that were played again.
     """
 
     played: int
@@ -56,6 +57,7 @@ class Checked:
     faults: tuple[str, ...]
     patients: int = 0
     exact: bool = False
+    rows: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False, compare=False)
 
 
 def check(folder: Path, patients: int | None = None, run: Run | None = None, *, trust: bool = False) -> Checked:
@@ -81,7 +83,7 @@ def check(folder: Path, patients: int | None = None, run: Run | None = None, *, 
         faults = [f"{PAGE}: is not the page of these patients"]
     if faults:
         return Checked(0, 0, tuple(faults))
-    cells = [_cell(score, submitted, folder, trust) for score in submitted.scores]
+    cells = [submission.cell_of_score(score, submitted, folder, trust=trust) for score in submitted.scores]
     faults, steps = _of_entries(cells, submitted)
     if faults:
         return Checked(0, 0, tuple(faults))
@@ -95,7 +97,7 @@ def check(folder: Path, patients: int | None = None, run: Run | None = None, *, 
     faults = differences.faults_of(rows, again, None if exact else steps)
     both = again.merge(rows, on=differences.KEYS, suffixes=("", "_given"))
     equal = int((both["score_s"] == both["score_s_given"]).sum())
-    return Checked(len(again), equal, tuple(faults), submitted.scores[0].patients, exact)
+    return Checked(len(again), equal, tuple(faults), submitted.scores[0].patients, exact, again)
 
 
 def _platform(made_with: Mapping[str, Any]) -> list[Any]:
@@ -125,7 +127,8 @@ def _read_patients(path: Path, made_with: Mapping[str, Any]) -> pd.DataFrame:
             kind == "O" and not all(isinstance(value, str) for value in rows[column])
         ):
             raise InputError(f"{path}: {column} holds other values than this program writes; {_REMEDY}")
-    if not rows["score_s"].between(0.0, _LONGEST_S).all():
+    longest = rows["task"].map(lambda task: TASKS[task].episode_s if task in TASKS else _LONGEST_S)
+    if not rows["score_s"].between(0.0, longest).all():
         raise InputError(f"{path}: score_s holds values outside of an episode; {_REMEDY}")
     return rows
 
@@ -138,12 +141,13 @@ def _of_agents(submitted: Submission, folder: Path, trust: bool) -> list[str]:
         for score in submitted.scores
         if score.agent not in labels
     ]
+    submission.refuse_answers(submission.spec_of(agent, folder) for agent in submitted.agents)
     for agent in submitted.agents:
         if agent.copy_at is None and is_named(agent.spec) and not trust:
             raise InputError(
                 f"{agent.agent} is the module {shown(agent.spec)}, which runs code; allowed if you trust it: --trust"
             )
-        if submission.fingerprint_of(_spec(agent, folder)) != agent.fingerprint:
+        if submission.fingerprint_of(submission.spec_of(agent, folder)) != agent.fingerprint:
             faults.append(f"{agent.agent}: its files have changed since it was played")
     return faults
 
@@ -182,25 +186,15 @@ def _same(one: SubmittedScore, other: SubmittedScore) -> bool:
 
 def _of_entries(cells: Sequence[Cell], submitted: Submission) -> tuple[list[str], dict[tuple[str, str], float]]:
     """Faults of labels and notes; and the control step, s, by task and agent."""
-    specs = {agent.agent: agent.spec for agent in submitted.agents}
     faults, steps = [], {}
     for cell, score in zip(cells, submitted.scores, strict=True):
         entry = cell.load()
         steps[score.task, score.agent] = 1.0 / mode_of(entry.env_kwargs).steps_per_s
-        if score.agent not in (entry.label, f"{entry.label} ({specs[score.agent]})"):
+        if not is_label_of(score.agent, entry.label):
             faults.append(f"{score.agent}: is the label of what calls itself {entry.label}")
         if score.note != entry.note:
             faults.append(f"{cell.name}: the note is {shown(score.note)}, the agent gives {shown(entry.note)}")
     return faults, steps
-
-
-def _cell(score: SubmittedScore, submitted: Submission, folder: Path, trust: bool) -> Cell:
-    agent = next(candidate for candidate in submitted.agents if candidate.agent == score.agent)
-    return cell_of(TASKS[score.task], _spec(agent, folder), score.agent, score.patients, trust=trust)
-
-
-def _spec(agent: SubmittedAgent, folder: Path) -> str:
-    return agent.spec if agent.copy_at is None else str(folder / agent.copy_at)
 
 
 def drawn(parts: Sequence[Part], patients: int | None, draw: np.random.Generator) -> list[Part]:

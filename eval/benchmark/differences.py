@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 from scipy.stats import binomtest
+from scipy.stats import t as t_law
 
 from eval.rows.times import COLUMNS, LEVELS
 
@@ -21,7 +22,8 @@ LARGEST_SHARE = 0.10
 Compiled for a processor without AVX and FMA, 76 of 80 episodes of three tasks differ by less than 1e-6, one by 7 %.
 """
 LEAST_CHANCE = 1e-3
-"""Differences that lean one way are a fault if chance makes them lean so far less often."""
+"""Differences that lean one way, in number or on average, are a fault if chance does so less often."""
+_FEWEST = 10  # rows of which a mean difference is tested
 _ROUNDING = 1e-6  # relative: which way smaller differences lean says nothing
 _SMALL = 1e-3  # of columns other than times: from here down differences are compared with this
 
@@ -66,17 +68,33 @@ def _apart(rows: pd.DataFrame, column: str, step_s: float | None) -> Mask:
 
 
 def _leaning(both: pd.DataFrame) -> Iterator[str]:
-    """Columns with differences that lean one way, in one score or in all together."""
+    """Columns with differences that lean one way in number or on average, in one score or in all together."""
     cells = [(f"{task}, {agent}", rows) for (task, agent), rows in both.groupby(["task", "agent"], sort=False)]
     for name, rows in [*cells, ("all scores", both)]:
         for column in COLUMNS[1:]:
             played, submitted = _pair(rows, column)
             with np.errstate(invalid="ignore"):
-                counts = np.abs(submitted - played) > _ROUNDING * np.abs(played)
+                difference = submitted - played
+                counts = np.abs(difference) > _ROUNDING * np.abs(played)
             lower = int((submitted < played)[counts].sum())
             number = int(counts.sum())
             if number and binomtest(lower, number).pvalue < LEAST_CHANCE:
                 yield f"{name}: {column} of {max(lower, number - lower)} of {number} patients differs the same way"
+                continue
+            share = difference if column in TIMES else difference / np.maximum(np.abs(played), _SMALL)
+            counted = np.where(counts & np.isfinite(share), share, 0.0)
+            if _chance_of_mean(counted) < LEAST_CHANCE:
+                unit = "s" if column in TIMES else "of itself"
+                yield f"{name}: {column} differs by {counted.mean():.3g} {unit} on average"
+
+
+def _chance_of_mean(differences: npt.NDArray[np.float64]) -> float:
+    """The p value of a mean that is not 0 (Student's t); 1 of few rows."""
+    number = len(differences)
+    if number < _FEWEST or not differences.any():
+        return 1.0
+    error = differences.std(ddof=1) / np.sqrt(number)
+    return float(2.0 * t_law.sf(abs(differences.mean()) / max(error, np.finfo(float).tiny), number - 1))
 
 
 def _pair(rows: pd.DataFrame, column: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:

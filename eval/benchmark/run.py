@@ -8,6 +8,7 @@ from functools import partial
 
 from agents.registry import world_of
 from eval.benchmark.agent_process import load_apart
+from eval.benchmark.labels import label_of, numbered
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
 from eval.kept.cells import Cell
 from eval.kept.entries import can_play, load_entry
@@ -36,15 +37,18 @@ def cells_of(
         for spec in dict.fromkeys(specs)
         for task in _fitting(spec, tasks)
     ]
-    specs_of: dict[object, set[str]] = {}
+    specs_of: dict[str, list[str]] = {}
     for cell, spec in cells:
-        specs_of.setdefault(cell.levels["agent"], set()).add(spec)
-    return tuple(cell if len(specs_of[cell.levels["agent"]]) == 1 else _told_apart(cell, spec) for cell, spec in cells)
+        named = specs_of.setdefault(str(cell.levels["agent"]), [])
+        named += [] if spec in named else [spec]
+    return tuple(_told_apart(cell, spec, specs_of[str(cell.levels["agent"])]) for cell, spec in cells)
 
 
-def _told_apart(cell: Cell, spec: str) -> Cell:
-    """The cell of an agent that shares its label with another one."""
-    return replace(cell, levels={**cell.levels, "agent": f"{cell.levels['agent']} ({spec})"})
+def _told_apart(cell: Cell, spec: str, named: Sequence[str]) -> Cell:
+    """The cell, with a number where agents of other specs have its label."""
+    if len(named) == 1:
+        return cell
+    return replace(cell, levels={**cell.levels, "agent": numbered(str(cell.levels["agent"]), named.index(spec) + 1)})
 
 
 def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None, *, trust: bool = False) -> Cell:
@@ -58,14 +62,19 @@ def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None,
         trust: whether a stable-baselines3 checkpoint may be unpickled.
     """
     load = partial(load_entry, spec, task.settings().world, trust=trust, load=load_apart)
-    levels = {"task": task.id, "agent": agent or load().label}
+    levels = {"task": task.id, "agent": agent or label_of(load().label)}
     return Cell(
         levels,
         load,
         task.seeds[:patients],
-        Times(task.within, task.episode_s, task.comfort_limit_s),
+        times_of(task),
         PATIENTS_IN_A_PART,
     )
+
+
+def times_of(task: Task) -> Times:
+    """The columns of a task's patients."""
+    return Times(task.within, task.episode_s, task.comfort_limit_s)
 
 
 def fitting_agents(specs: Sequence[str], tasks: Sequence[Task]) -> list[str]:

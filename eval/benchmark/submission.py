@@ -11,10 +11,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
+import math
+import os
 import shutil
-from collections.abc import Iterable, Mapping, Sequence
+import uuid
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Self
 
@@ -23,8 +28,11 @@ from pydantic import AfterValidator, Field, JsonValue, model_validator
 
 from agents import registry
 from agents.planners import PLANNERS
+from agents.replay import Replay
+from eval.benchmark.labels import Label, Text, printable
+from eval.benchmark.run import cell_of
 from eval.benchmark.scores import by_cell, score_of
-from eval.benchmark.tasks import VERSION, digest
+from eval.benchmark.tasks import TASKS, VERSION, digest
 from eval.kept.cells import Cell
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, atomic_write, read_model
@@ -36,13 +44,7 @@ from jawenv.reading import read_bytes
 FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"
 
 
-def _printable(text: str) -> str:
-    if not text.isprintable():
-        raise ValueError(f"is {shown(text)}; allowed: one line of printable characters")
-    return text
-
-
-Text = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_printable)]
+_MOST_AGENTS = 200
 
 
 class _MadeWith(InputModel):
@@ -80,7 +82,7 @@ class SubmittedAgent(InputModel):
         fingerprint: SHA-256 of its files' names and contents; None if it has none.
     """
 
-    agent: Text
+    agent: Label
     spec: Text
     copy_at: Text | None = None
     fingerprint: Text | None = None
@@ -100,12 +102,12 @@ class SubmittedScore(InputModel):
     """
 
     task: Text
-    agent: Text
+    agent: Label
     patients: Annotated[int, Field(ge=1, strict=True)]
     score_s: Number
     low_s: Number | None
     high_s: Number | None
-    note: Annotated[str, AfterValidator(_printable)] = ""
+    note: Annotated[str, AfterValidator(printable)] = ""
 
 
 class Submission(InputModel):
@@ -121,8 +123,8 @@ class Submission(InputModel):
 
     benchmark: Text
     tasks_digest: Text
-    agents: Annotated[tuple[SubmittedAgent, ...], Field(min_length=1)]
-    scores: Annotated[tuple[SubmittedScore, ...], Field(min_length=1)]
+    agents: Annotated[tuple[SubmittedAgent, ...], Field(min_length=1, max_length=_MOST_AGENTS)]
+    scores: Annotated[tuple[SubmittedScore, ...], Field(min_length=1, max_length=_MOST_AGENTS * len(TASKS))]
     made_with: Annotated[dict[str, JsonValue], AfterValidator(_made)]
 
     @model_validator(mode="after")
@@ -130,7 +132,7 @@ class Submission(InputModel):
         scores = [f"{score.task}, {score.agent}" for score in self.scores]
         agents = [agent.agent for agent in self.agents]
         for kind, named in (("scores", scores), ("agents", agents)):
-            twice = [name for name in named if named.count(name) > 1]
+            twice = [name for name, number in Counter(named).items() if number > 1]
             if twice:
                 raise ValueError(f"{kind}: '{twice[0]}' is there twice; allowed: once")
         return self
@@ -140,7 +142,8 @@ def read(folder: Path) -> Submission:
     """Read ``submission.json`` of a folder.
 
     Raises:
-        InputError: it is missing or damaged, is of other tasks, or names a file outside of the folder.
+        InputError: it is missing or damaged, is of other tasks, has a time outside of an episode, or names a file
+            outside of the folder.
     """
     submission = read_model(folder / FILE, Submission)
     if (submission.benchmark, submission.tasks_digest) != (VERSION, digest()):
@@ -148,9 +151,23 @@ def read(folder: Path) -> Submission:
             f"{folder / FILE}: is of tasks {shown(submission.benchmark)}, digest {shown(submission.tasks_digest)}; "
             f"this jawenv plays {VERSION}, digest {digest()}"
         )
+    for score in submission.scores:
+        check_times(folder / FILE, score.task, (score.score_s, score.low_s, score.high_s))
     for agent in submission.agents:
         _check_origin(agent, folder / FILE)
     return submission
+
+
+def check_times(file: Path, task: str, times: Iterable[float | None]) -> None:
+    """Make sure that times lie within the task's episode; tasks of another version are not known.
+
+    Raises:
+        InputError: one does not.
+    """
+    longest = TASKS[task].episode_s if task in TASKS else math.inf
+    for time in times:
+        if time is not None and not 0.0 <= time <= longest:
+            raise InputError(f"{file}: {task}: a score is {time:g} s; allowed: 0 to {longest:g}")
 
 
 def make(
@@ -180,6 +197,17 @@ def scored(task: str, agent: str, rows: pd.DataFrame, note: str = "") -> Submitt
     )
 
 
+def cell_of_score(score: SubmittedScore, submitted: Submission, folder: Path, *, trust: bool = False) -> Cell:
+    """The cell by which a score is played again."""
+    agent = next(candidate for candidate in submitted.agents if candidate.agent == score.agent)
+    return cell_of(TASKS[score.task], spec_of(agent, folder), score.agent, score.patients, trust=trust)
+
+
+def spec_of(agent: SubmittedAgent, folder: Path) -> str:
+    """What a submitted agent is loaded by."""
+    return agent.spec if agent.copy_at is None else str(folder / agent.copy_at)
+
+
 def json_of(metadata: dict[str, Any]) -> dict[str, Any]:
     """A mapping after a way through JSON: lists for tuples, texts for keys."""
     plain: dict[str, Any] = json.loads(json.dumps(metadata))
@@ -193,20 +221,47 @@ def keep_agents(agents: Mapping[str, str], folder: Path) -> tuple[SubmittedAgent
 
     Args:
         agents: label -> name, file or module.
-        folder: of the submission; older content of its ``agents`` goes.
+        folder: of the submission; its ``agents`` are replaced when all copies are written.
 
     Raises:
         InputError: a file cannot be read or written.
     """
-    if (folder / AGENTS).exists():
-        shutil.rmtree(folder / AGENTS)
+    for left in folder.glob(f".{AGENTS}.*"):  # of a process that was killed
+        _remove(left)
+    beside = folder / f".{AGENTS}.{uuid.uuid4().hex}"
     submitted = []
-    for number, (agent, spec) in enumerate(agents.items()):
-        copies = _comes_with_jawenv(spec) or is_named(spec)
-        copy_at = None if copies else _copied(spec, folder, number)
-        held = spec if copy_at is None else str(folder / copy_at)
-        submitted.append(SubmittedAgent(agent=agent, spec=spec, copy_at=copy_at, fingerprint=fingerprint_of(held)))
+    try:
+        for number, (agent, spec) in enumerate(agents.items()):
+            copies = _comes_with_jawenv(spec) or is_named(spec)
+            copy_at = None if copies else _copied(spec, beside, number)
+            held = spec if copy_at is None else str(beside / copy_at)
+            submitted.append(SubmittedAgent(agent=agent, spec=spec, copy_at=copy_at, fingerprint=fingerprint_of(held)))
+        old = beside / "old"
+        with _writing(folder):
+            beside.mkdir(parents=True, exist_ok=True)
+            if os.path.lexists(folder / AGENTS):
+                (folder / AGENTS).replace(old)
+            if (beside / AGENTS).exists():
+                (beside / AGENTS).replace(folder / AGENTS)
+    finally:
+        _remove(beside)
     return tuple(submitted)
+
+
+def _remove(path: Path) -> None:
+    if path.is_symlink() or path.is_file():
+        path.unlink()
+    else:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    """Fail to write in one line."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"output {folder}: {error.strerror}") from None
 
 
 def refuse_copies(specs: Iterable[str], folder: Path) -> None:
@@ -215,10 +270,22 @@ def refuse_copies(specs: Iterable[str], folder: Path) -> None:
     Raises:
         InputError: one does.
     """
-    copies = (folder / AGENTS).resolve()
     for spec in specs:
-        if not is_named(spec) and Path(spec).resolve().is_relative_to(copies):
+        if not is_named(spec) and _real(spec).is_relative_to(_real(folder / AGENTS)):
             raise InputError(f"{spec} lies in the output's own {AGENTS}, which is written anew: name another output")
+
+
+def refuse_answers(specs: Iterable[str]) -> None:
+    """Make sure that recorded actions are one sequence for all patients.
+
+    Raises:
+        InputError: there is one for each patient, which is a list of answers and no agent.
+    """
+    for spec in specs:
+        if Path(spec).suffix == ".npz" and (number := Replay.load(Path(spec)).number) > 1:
+            raise InputError(
+                f"{spec}: holds {number} sequences of actions; allowed in the benchmark: one for all patients"
+            )
 
 
 def fingerprint_of(spec: str) -> str | None:
@@ -236,6 +303,10 @@ def fingerprint_of(spec: str) -> str | None:
     return content.hexdigest()
 
 
+def _real(path: str | Path) -> Path:
+    return Path(os.path.realpath(path))  # `Path.resolve` raises where a link leads to itself
+
+
 def _comes_with_jawenv(spec: str) -> bool:
     return spec in (*registry.names(), *policy_names(), *EXCITATIONS, *PLANNERS)
 
@@ -246,16 +317,14 @@ def _copied(spec: str, folder: Path, number: int) -> str:
     Returns:
         Path of the copy from the folder on.
     """
-    path, files = Path(spec).resolve(), registry.files_of(spec)
+    path, files = _real(spec), registry.files_of(spec)
     run = card_of(path)
-    root = path if path.is_dir() else path.parent if run is None else run[0].resolve()
+    root = path if path.is_dir() else path.parent if run is None else _real(run[0])
     copy = PurePosixPath(AGENTS, str(number), root.name or "root")
-    for file in (source.resolve() for source in files):
+    for file in map(_real, files):
         target = folder / copy / file.relative_to(root).as_posix()
-        try:
+        with _writing(folder.parent):
             target.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"output {folder}: {error.strerror}") from None
         content = read_bytes(file)
         with atomic_write(target) as unfinished:
             unfinished.write_bytes(content)
@@ -269,6 +338,6 @@ def _check_origin(agent: SubmittedAgent, file: Path) -> None:
             raise InputError(f"{file}: agent {shown(agent.spec)} is none of jawenv's, and the folder has no copy of it")
         return
     copy_at = PurePosixPath(agent.copy_at)
-    inside = (file.parent / copy_at).resolve().is_relative_to((file.parent / AGENTS).resolve())
+    inside = _real(file.parent / copy_at).is_relative_to(_real(file.parent) / AGENTS)
     if copy_at.parts[:1] != (AGENTS,) or ".." in copy_at.parts or "\\" in agent.copy_at or not inside:
         raise InputError(f"{file}: copy_at is {shown(agent.copy_at)}; allowed: a path within {AGENTS}/")

@@ -12,6 +12,8 @@ from eval.commands.options import terminal, typed
 from jawenv.errors import InputError, shown
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from eval.kept.parts import Run
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "benchmark.md"
@@ -65,6 +67,20 @@ def benchmark_command(
     fresh: options.Fresh = False,
     workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
     trust: options.Trust = False,
+    fresh_seeds: Annotated[
+        int | None,
+        typer.Option(
+            help="With --check: also play the agents and a maneuver on so many patients whom nobody could know.",
+            metavar="N",
+            min=2,
+        ),
+    ] = None,
+    key: Annotated[
+        str | None,
+        typer.Option(
+            help="By which --fresh-seeds draws, as an earlier check said it; drawn by default.", metavar="HEX"
+        ),
+    ] = None,
 ) -> None:
     """Play the tasks of the frozen benchmark, and write a submission that anyone can check (docs/benchmark.md).
 
@@ -81,8 +97,12 @@ def benchmark_command(
             print(f"{task.id:20s} {task.description}")
     elif check is not None:
         if agents or tasks is not None:
-            raise InputError("--check: plays what the submission names; allowed beside it: --patients, --trust")
-        _check(check, patients, run, trust)
+            raise InputError(
+                "--check: plays what the submission names; allowed beside it: --patients, --fresh-seeds, --key, --trust"
+            )
+        _check(check, patients, run, trust, fresh_seeds, key)
+    elif fresh_seeds is not None or key is not None:
+        raise InputError("--fresh-seeds and --key: belong to --check")
     elif baselines:
         _play_baselines(agents or [], names, patients, output, run)
     else:
@@ -101,6 +121,7 @@ def _play(
     from jawenv.locks import alone
 
     submission.refuse_copies(agents, output)
+    submission.refuse_answers(agents)
     tasks, console = tasks_named(names), terminal()
     cells = cells_of(agents, tasks, patients, trust=trust)
     for line in left_out(cells, tasks):
@@ -137,11 +158,14 @@ def _play_baselines(agents: list[str], names: list[str] | None, patients: int | 
     write_text(TABLE, read_text(output / PAGE))
 
 
-def _check(folder: Path, patients: int | None, run: Run, trust: bool) -> None:
+def _check(folder: Path, patients: int | None, run: Run, trust: bool, fresh_seeds: int | None, key: str | None) -> None:
     from eval.benchmark.check import CANNOT_KNOW, check
     from eval.benchmark.differences import LARGEST_SHARE
+    from eval.benchmark.scores import by_cell, score_of
     from eval.benchmark.tasks import TASKS
+    from eval.figures.words import with_interval
 
+    drawn_by = _key_of(key)
     result = check(folder, patients, run, trust=trust)
     if result.faults:
         more = f" (and {len(result.faults) - 1} more)" if len(result.faults) > 1 else ""
@@ -156,8 +180,12 @@ def _check(folder: Path, patients: int | None, run: Run, trust: bool) -> None:
         "" if result.patients >= whole else f"the first {result.patients} of {whole}, which is no whole submission; "
     )
     print(f"patients: {trial}{_drawn(patients, result.patients)}")
+    for (task, agent), rows in by_cell(result.rows).items():
+        print(f"score: {task}, {agent}: {with_interval(score_of(rows), 2)} s")
     for line in CANNOT_KNOW:
         print(f"not known: {line}")
+    if fresh_seeds is not None:
+        _check_fresh(folder, result.rows, fresh_seeds, drawn_by, run, trust)
 
 
 def _drawn(patients: int | None, available: int) -> str:
@@ -169,3 +197,34 @@ def _drawn(patients: int | None, available: int) -> str:
     forged = -(-available // 10)
     missed = 100 * hypergeom(available, forged, patients).pmf(0)
     return f"{patients} were drawn: {forged} forged ones of a score stay unseen with a chance of {missed:.2g} % at most"
+
+
+def _key_of(key: str | None) -> bytes:
+    import secrets
+
+    try:
+        return secrets.token_bytes(32) if key is None else bytes.fromhex(key)
+    except ValueError:
+        raise InputError(f"--key is {shown(key)}; allowed: hexadecimal digits") from None
+
+
+def _check_fresh(folder: Path, public: pd.DataFrame, number: int, key: bytes, run: Run, trust: bool) -> None:
+    """Compare public with fresh patients, and keep the scores beside the submission."""
+    from eval.benchmark import fresh, submission
+    from eval.figures.words import scaled, with_interval
+    from eval.kept.tables import made_with
+    from jawenv.files import write_json
+
+    compared = fresh.compare(folder, submission.read(folder), public, number, key, run, trust=trust)
+    print(f"fresh patients: {number} of each task, drawn by --key {key.hex()}")
+    for one in compared:
+        known, new, apart = (with_interval(figure, 2, " s") for figure in (one.public, one.fresh, one.apart))
+        its = " and ".join(with_interval(score, 2, " s") for score in one.maneuver)
+        print(f"{one.task}, {one.agent}: public {known}, fresh {new}, difference {apart}; {fresh.MANEUVER} {its}")
+        longer = with_interval(scaled(one.worse, 100.0), 0, " %")
+        print(f"  beside {fresh.MANEUVER} longer on fresh patients by {longer}; by chance so much in {one.chance:.2g}")
+    if found := fresh.suspected(compared):
+        names = ", ".join(f"{one.task}, {one.agent}" for one in found)
+        raise InputError(f"{folder}: better on public patients than on fresh ones by more than chance: {names}")
+    write_json(folder / fresh.CHECKED, fresh.written(compared, folder, number, key, made_with(typed())))
+    print(f"scores that count: {folder / fresh.CHECKED}")

@@ -13,6 +13,7 @@ from agents.planning import Planner
 from eval.kept.entries import Entry, Settings, load_entry
 from jawenv.errors import InputError
 from jawenv.named_objects import is_named
+from jawenv.playing.agents import own_seed
 from jawenv.playing.policies.card import card_of
 
 DECISIONS = 200
@@ -56,7 +57,7 @@ def _decision_ms(entry: Entry, seed: int) -> float:
     env = gym.make_vec(entry.env_id, num_envs=1, **entry.env_kwargs)
     observation, _ = env.reset(seed=seed)
     if hasattr(agent, "reset"):
-        agent.reset(1, seed)
+        agent.reset(1, own_seed())
     if hasattr(agent, "attach"):
         agent.attach(env)
     _, state = agent.predict(observation, state=None, episode_start=[True], deterministic=True)

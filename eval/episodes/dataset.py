@@ -23,7 +23,7 @@ from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.ladder import model_of_env
 from jawenv.locks import alone
-from jawenv.playing.agents import checked_decision
+from jawenv.playing.agents import checked_decision, own_seed
 from jawenv.progress import Progress
 
 REFERENCES = ("random", "hold_still", "slow_opening", "opening_with_swings_and_fore_aft", "refined")
@@ -124,7 +124,7 @@ def _write(
     collector = minari.DataCollector(env, record_infos=True, data_format=file_format)
     try:
         for i, seed in enumerate(seeds):
-            _play(entry, collector, seed)
+            _play(entry, collector, seed, i)
             progress(i + 1)
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "`(code_permalink|author_email)` is set to None")  # there is none
@@ -139,10 +139,10 @@ def _write(
         collector.close()
 
 
-def _play(entry: Entry, env: Any, seed: int) -> None:
-    """One episode, from ``reset(seed=seed)``."""
+def _play(entry: Entry, env: Any, seed: int, place: int) -> None:
+    """One episode, from ``reset(seed=seed)``; the agent draws by its place in the data set."""
     observation, _ = env.reset(seed=seed)
-    entry.agent.reset(1, seed)
+    entry.agent.reset(1, own_seed(place))
     state, start, ended = None, np.ones(1, dtype=np.bool_), False
     while not ended:
         action, state = checked_decision(entry.agent.predict(observation[None], state, start), entry.agent)

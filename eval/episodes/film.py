@@ -19,7 +19,7 @@ from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.ladder import model_of_env
 from jawenv.locks import alone
-from jawenv.playing.agents import checked_decision
+from jawenv.playing.agents import checked_decision, own_seed
 from jawenv.progress import Progress
 from jawenv.rendering.film import PairRenderer
 
@@ -99,7 +99,7 @@ class Episode:
         try:
             options = None if film.patient is None else {"patient": film.patient}
             observation, info = env.reset(seed=film.seed, options=options)
-            agent.reset(1, film.seed)
+            agent.reset(1, own_seed())
             state, start, ended, step = None, np.ones(1, dtype=bool), False, 0
             with Progress(env.configuration.steps, "steps", self._console) as progress:
                 while not ended:

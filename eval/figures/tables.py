@@ -12,6 +12,26 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
+_MEANT = re.compile(r"[&<>|`*~$\[\]{}\\]|(?<![^\W_])_|_(?![^\W_])|\s")
+
+
+def plain(text: str) -> str:
+    """A text, perhaps of others, in Markdown: its signs have no meaning there, nor in HTML or a table."""
+    return _MEANT.sub(lambda sign: " " if sign[0].isspace() else f"&#{ord(sign[0])};", text)
+
+
+def code(text: str) -> str:
+    """A text, perhaps of others, as code in a line of Markdown."""
+    fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
+    space = " " if len(fence) > 1 else ""
+    return f"{fence}{space}{' '.join(text.split())}{space}{fence}"
+
+
+class Marked(str):
+    """A text of the program's own, whose Markdown is meant."""
+
+    __slots__ = ()
+
 
 @dataclass(frozen=True)
 class Table:
@@ -32,9 +52,12 @@ class Table:
     title: str = ""
 
     def markdown(self) -> str:
-        """The table, and below it the note."""
+        """The table, and below it the note; texts in cells stay texts, unless they are `Marked`."""
         rule = ["---" if column in self.texts else "--:" for column in range(len(self.head))]
-        lines = ["| " + " | ".join(cells) + " |" for cells in (self.head, *self.rows)]
+        lines = [
+            "| " + " | ".join(cell if isinstance(cell, Marked) else plain(cell) for cell in cells) + " |"
+            for cells in (self.head, *self.rows)
+        ]
         lines.insert(1, "|" + "|".join(rule) + "|")
         return "\n".join([*lines, *(["", self.note] if self.note else [])])
 
@@ -75,8 +98,8 @@ def made_by(metadata: Mapping[str, Any], what: str) -> str:
     versions, git, machine = metadata["versions"], metadata["git"], metadata["machine"]
     state = "" if git is None else f", commit {git['commit'][:12]}" + (" with changes" if git["changed"] else "")
     return (
-        f"Made by `{metadata['command']}`, {metadata['finished']}: {what}. jawenv {versions['jawenv']}{state}; "
-        f"{machine['cores']} cores of {machine['processor']}."
+        f"Made by {code(metadata['command'])}, {plain(metadata['finished'])}: {what}. "
+        f"jawenv {plain(versions['jawenv'])}{plain(state)}; {machine['cores']} cores of {plain(machine['processor'])}."
     )
 
 

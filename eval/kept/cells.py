@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -138,7 +138,7 @@ def play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> None
         cells: by their names.
     """
     cell, before = cells[part.key], progress.done
-    entry = cell.load()
+    entry = replace(cell.load(), agent_seed=part.first - cell.seeds.start)
     name = part.key.replace("_", " ")
     rows = cell.rows.play(
         entry,

@@ -94,6 +94,7 @@ class Entry:
         replay_of: label of the entry with the replayed targets; empty if none.
         description: a sentence on its method; empty if unknown.
         agent: plays it.
+        agent_seed: of its own draws, see `jawenv.play`.
     """
 
     label: str
@@ -106,6 +107,7 @@ class Entry:
     planned: bool = False
     clairvoyant: bool = False
     replay_of: str = ""
+    agent_seed: int = 0
 
     @property
     def env_id(self) -> str:
@@ -120,7 +122,7 @@ class Entry:
     def play(
         self,
         patients: int | Sequence[Patient | None],
-        seed: int,
+        seed: int | Sequence[int],
         progress: Callable[[int, int], None] | None = None,
         on_step: OnStep | None = None,
         **changes: Any,
@@ -129,7 +131,7 @@ class Entry:
 
         Args:
             patients: how many, or whom.
-            seed: of the first patient.
+            seed: of the first patient, or one for each.
             progress: see `jawenv.play`.
             on_step: see `jawenv.play`.
             **changes: arguments of the environment in place of the entry's.
@@ -143,11 +145,13 @@ class Entry:
             env_id=self.env_id,
             progress=progress,
             on_step=on_step,
+            agent_seed=self.agent_seed,
         )
 
     def about(self) -> dict[str, Any]:
         """All but the agent, for the results' metadata."""
-        own = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in ("agent", "world")}
+        beside = ("agent", "agent_seed", "world")
+        own = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in beside}
         return own | {"env_id": self.env_id, "env_kwargs": self.env_kwargs}
 
 

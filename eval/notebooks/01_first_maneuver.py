@@ -66,7 +66,7 @@ agent = jawenv.Player(MANEUVER)
 def play_to_the_end(env):
     """What the environment says after each step."""
     observation, info = env.reset(seed=0)
-    agent.reset(1, seed=0)
+    agent.reset(1)
     done = False
     while not done:
         action, _ = agent.predict(observation)

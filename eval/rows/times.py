@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import ModuleType
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -73,14 +75,17 @@ class Times(Rows):
     """
 
     columns = COLUMNS
-    made_by = (outcomes,)
+    made_by: ClassVar[tuple[ModuleType, ...]] = (outcomes,)
     within: float
     episode_s: float
     comfort_limit_s: float = np.inf
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""
-        recording = entry.play(number, seed, progress, track_bound=False)
+        return self.rows_of(entry.play(number, seed, progress, track_bound=False), seed)
+
+    def rows_of(self, recording: Recording, seed: int) -> pd.DataFrame:
+        """The rows of patients whose seeds follow each other from ``seed`` on."""
         rows = outcomes_of(recording, seed)
         comfortable = rows["discomfort_s"].to_numpy() <= self.comfort_limit_s
 

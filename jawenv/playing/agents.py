@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -36,7 +37,12 @@ class Agent(Protocol):
     name: str
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """Forget everything and get ready for `num_envs` worlds that start new episodes."""
+        """Forget everything and get ready for `num_envs` worlds that start new episodes.
+
+        Args:
+            num_envs: how many.
+            seed: of the agent's own draws (`own_seed`); it says nothing about the worlds.
+        """
         ...
 
     def predict(
@@ -60,6 +66,18 @@ class Agent(Protocol):
             state: to be handed to the next call; None for an agent without memory.
         """
         ...
+
+
+def own_seed(place: int = 0) -> int:
+    """A seed for an agent's own draws, of 31 bits.
+
+    It is made of a place alone. Whatever is made of a world's seed, by a digest too, tells that seed to an agent which
+    tries all seeds, and with it patient and noise.
+
+    Args:
+        place: of the agent's first world among all that are played, or any number by which draws shall differ.
+    """
+    return int.from_bytes(hashlib.sha256(f"agent {place}".encode()).digest()[:4], "big") >> 1
 
 
 def checked_decision(answer: Any, agent: Any) -> tuple[Any, Any]:

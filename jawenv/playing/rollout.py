@@ -19,7 +19,7 @@ from jawenv.checks import whole_number
 from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.errors import InputError, shown
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
-from jawenv.playing.agents import Action, checked_decision
+from jawenv.playing.agents import Action, checked_decision, own_seed
 from jawenv.playing.recording import Array, Mask, Recording
 from jawenv.playing.singles import SingleWorlds
 
@@ -56,6 +56,7 @@ def play(
     env_id: str = DEFAULT_ENV,
     progress: Callable[[int, int], None] | None = None,
     on_step: OnStep | None = None,
+    agent_seed: int = 0,
 ) -> Recording:
     """Play one episode of an agent with every patient, all at the same time.
 
@@ -72,6 +73,8 @@ def play(
         progress: called with (steps done, steps of the longest episode) after every control step.
         on_step: called with the environment and the actions (N, 4) before every control step, and at the end with None
             in place of actions; it reads the environment, and changes nothing.
+        agent_seed: another number makes other draws of an agent that draws. Its `reset` gets `own_seed` of this, and
+            nothing of `seed`, by which it could make its patients.
 
     Returns:
         The recording of all worlds. A world that ends early stays frozen while the others go on.
@@ -98,7 +101,7 @@ def play(
         options = {"patients": list(patients)} if isinstance(patients, Sequence) else None
         observation, info = env.reset(seed=seeds, options=options)
         if hasattr(agent, "reset"):
-            agent.reset(number, seeds[0])
+            agent.reset(number, own_seed(agent_seed))
         if hasattr(agent, "attach"):
             agent.attach(env)
         recording = _watch(agent, env, observation, info, progress, on_step or _ignore)

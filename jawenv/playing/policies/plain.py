@@ -15,7 +15,7 @@ from scipy.special import expit
 from jawenv.controls import Control
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
-from jawenv.files import atomic_write, write_json
+from jawenv.files import atomic_write
 from jawenv.ladder import model_of_env
 from jawenv.playing.agents import (
     Action,
@@ -107,17 +107,14 @@ class RecurrentPlainPolicy(Remembering, PlainPolicy):
 
 
 def write_policy(folder: Path, weights: bytes, card: ModelCard) -> None:
-    """Write weights and card, in place of older ones.
-
-    The older card goes first and the new one comes last: without its card a folder is no policy.
+    """Write weights and card, in place of older ones, which stay until both new files lie beside them.
 
     Raises:
         InputError: the folder cannot be written.
     """
-    (folder / CARD).unlink(missing_ok=True)
-    with atomic_write(folder / WEIGHTS) as unfinished:
-        unfinished.write_bytes(weights)
-    write_json(folder / CARD, card)
+    with atomic_write(folder / CARD) as new_card, atomic_write(folder / WEIGHTS) as new_weights:
+        new_weights.write_bytes(weights)
+        new_card.write_text(card.model_dump_json(indent=2) + "\n", encoding="utf-8")
 
 
 def read_weights(folder: Path, card: ModelCard) -> bytes:

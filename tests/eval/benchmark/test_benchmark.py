@@ -9,12 +9,17 @@ import pandas as pd
 import pytest
 
 from agents.registry import world_of
+from agents.replay import Replay
 from eval.benchmark import submission
+from eval.benchmark.labels import is_label_of, label_of, numbered
 from eval.benchmark.run import cells_of, fitting_agents, left_out
 from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
 from eval.commands.app import main
 from eval.commands.benchmark import BASELINES
+from eval.kept.cells import play_cells
+from eval.kept.entries import Entry
+from eval.kept.parts import Run
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
 from tests.eval.benchmark.conftest import CIRCLES, play
@@ -70,6 +75,8 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["clairvoyant", "--tasks", "bilateral-exact"], "clairvoyant plans in another environment than that of these"),
         (["slow_opening", "--baselines"], "--baselines: plays what comes with jawenv, and not 'slow_opening'"),
         (["--check", "nowhere"], "nowhere/submission.json"),
+        (["--check", "nowhere", "--fresh-seeds", "2", "--key", "x"], "--key is 'x'; allowed: hexadecimal digits"),
+        (["slow_opening", "--fresh-seeds", "2"], "--fresh-seeds and --key: belong to --check"),
     ],
 )
 def test_what_cannot_be_played_is_one_line(tmp_path, capsys, arguments, message):
@@ -131,8 +138,58 @@ def test_a_runs_files_are_copied_so_that_they_load(tmp_path):
 def test_agents_of_one_name_are_told_apart(tmp_path):
     other = shutil.copy(CIRCLES, tmp_path / "other.yaml")
     cells = cells_of([CIRCLES, other], tasks_named(["hinge-exact", "jaw-exact"]))
-    assert len({cell.levels["agent"] for cell in cells}) == 2
-    assert all(f"({cell.load().spec})" in cell.levels["agent"] for cell in cells)
+    assert [cell.levels["agent"] for cell in cells][::2] == ["opening_with_circles (1)", "opening_with_circles (2)"]
+    assert all(is_label_of(str(cell.levels["agent"]), cell.load().label) for cell in cells)
+
+
+@pytest.mark.parametrize(
+    "name", ["<script>alert(1)</script>", "a | 1", "[x](javascript:a)", "x" * 100, "\u202egpj", ""]
+)
+def test_a_label_has_plain_signs_alone(name):
+    label = label_of(name)
+    assert label == label_of(label) and len(label) <= 60 and not set(label) & set("<>|[]:\u202e")
+    assert is_label_of(label, name) and is_label_of(numbered(label, 2), name) and not is_label_of("refined", name)
+
+
+def test_copies_of_agents_are_replaced_when_all_new_ones_are_written(tmp_path, monkeypatch):
+    submission.keep_agents({"mine": CIRCLES}, tmp_path)
+    old = tmp_path / "agents" / "0" / "examples" / "opening_with_circles.yaml"
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    other = Path(shutil.copy(CIRCLES, tmp_path.parent / "other.yaml"))
+
+    def fails(path, *more):
+        raise InputError(f"{path}: cannot be read")
+
+    with monkeypatch.context() as patch, pytest.raises(InputError):
+        patch.setattr(submission, "read_bytes", fails)
+        submission.keep_agents({"other": str(other)}, tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before and len(before) == 1
+    (kept,) = submission.keep_agents({"other": str(other)}, tmp_path)
+    assert (tmp_path / kept.copy_at).is_file() and kept.copy_at.endswith("other.yaml")
+    assert [path.name for path in tmp_path.iterdir()] == ["agents"] and old not in tmp_path.rglob("*")
+
+
+def test_a_link_in_place_of_copies_goes_and_its_target_stays(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "mine.txt").write_text("mine")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "agents").symlink_to(tmp_path / "elsewhere")
+    submission.keep_agents({"slow_opening": "slow_opening"}, tmp_path / "out")
+    assert not (tmp_path / "out" / "agents").exists() and (tmp_path / "elsewhere" / "mine.txt").read_text() == "mine"
+
+
+def test_recorded_actions_for_each_patient_are_no_agent(tmp_path, capsys, plays):
+    path = tmp_path / "answers.npz"
+    Replay("answers", np.zeros((2, 5, 4)), 5.0).save(path)
+    assert play(tmp_path / "out", str(path)) == 2 and not plays.names
+    assert "holds 2 sequences of actions; allowed in the benchmark: one for all patients" in capsys.readouterr().err
+    Replay("answers", np.zeros((1, 5, 4)), 5.0).save(path)
+    assert play(tmp_path / "out", str(path)) == 0
+    copy = tmp_path / "out" / submission.read(tmp_path / "out").agents[0].copy_at
+    Replay("answers", np.zeros((2, 5, 4)), 5.0).save(copy)
+    capsys.readouterr()
+    assert main(["benchmark", "--check", str(tmp_path / "out"), "--workers", "1"]) == 2
+    assert "holds 2 sequences of actions" in capsys.readouterr().err
 
 
 def test_an_agent_within_the_output_is_refused(tmp_path):
@@ -145,3 +202,17 @@ def test_patients_are_played_in_parts_of_fifty_so_that_a_part_can_be_checked(tmp
     parts = replace(cell, seeds=cell.seeds[:70]).parts(tmp_path)
     assert [(part.first, part.number) for part in parts] == [(50_000, 50), (50_050, 20)]
     assert len(cell.parts(tmp_path)) == 2
+
+
+def test_an_agent_draws_by_the_place_of_its_part_and_not_by_the_worlds_seed(tmp_path, monkeypatch):
+    told, real = [], Entry.play
+
+    def heard(entry, *more, **changes):
+        told.append(entry.agent_seed)
+        return real(entry, *more, **changes)
+
+    monkeypatch.setattr(Entry, "play", heard)
+    (cell,) = cells_of(["random"], tasks_named(["hinge-exact"]))
+    for seeds, folder in ((cell.seeds[:3], "a"), (cell.seeds[7:10], "b")):
+        play_cells([replace(cell, seeds=seeds, size=2)], tmp_path / folder, Run(workers=1))
+    assert told == [0, 2, 0, 2]

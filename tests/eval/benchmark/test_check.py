@@ -1,6 +1,7 @@
 """What a check finds: submissions that are forged, each whole in itself."""
 
 import json
+import time
 
 import numpy as np
 import pandas as pd
@@ -165,6 +166,34 @@ def test_another_page_another_label_and_another_file_are_found(copied):
     assert check(copied, run=ONE).faults == ("opening_with_circles: its files have changed since it was played",)
 
 
+def test_a_copy_that_links_to_itself_is_one_line(copied, capsys):
+    path = copied / submission.read(copied).agents[1].copy_at
+    path.unlink()
+    path.symlink_to(path.name)
+    assert path.name in refused(copied, capsys)
+
+
+def test_many_scores_are_refused_at_once(copied, capsys):
+    def many(data):
+        data["scores"] = [data["scores"][0] | {"agent": f"a{i}"} for i in range(15_000)]
+
+    changed(copied, many)
+    began = time.monotonic()
+    assert "scores" in refused(copied, capsys) and time.monotonic() - began < 5.0
+
+
+@pytest.mark.parametrize("label", ["<img src=x onerror=alert(1)>", "a | 0.1", "[x](javascript:a)", "`", "x" * 61, "é"])
+def test_a_label_of_other_signs_is_refused(copied, capsys, label):
+    changed(copied, lambda data: data["agents"][0].update(agent=label))
+    assert "allowed: printable letters, digits, blanks and ._-(), 60 at most" in refused(copied, capsys)
+
+
+@pytest.mark.parametrize("score", [-1e9, 30.5, 1e300])
+def test_a_score_outside_of_an_episode_is_refused(copied, capsys, score):
+    changed(copied, lambda data: data["scores"][0].update(score_s=score))
+    assert "hinge-exact: a score is" in refused(copied, capsys)
+
+
 def test_a_link_out_of_the_submission_is_refused(copied, tmp_path, capsys):
     path = copied / submission.read(copied).agents[1].copy_at
     path.rename(tmp_path / "elsewhere.yaml")
@@ -201,6 +230,19 @@ def test_on_one_platform_the_last_bit_counts_in_every_column():
     for column in ("worst_sd", "nees", "claimed_s"):
         forgery = rows.assign(**{column: np.nextafter(rows[column], 0.0)})
         assert len(faults_of(forgery, rows, None)) == 1 and faults_of(forgery, rows, STEP) == []
+
+
+@pytest.mark.parametrize("column", COLUMNS[1:])
+@pytest.mark.parametrize("number", [20, 100])
+def test_elsewhere_much_better_for_half_and_little_worse_for_the_others_is_found(column, number):
+    rows = table(number)
+    if rows[column].dtype == bool:
+        return
+    size = 0.2 if column.endswith("_s") and column != "discomfort_s" else 0.9 * LARGEST_SHARE * rows[column]
+    better = np.arange(number) % 2 == 0
+    forgery = rows.assign(**{column: np.where(better, rows[column] - size, rows[column] * (1.0 + 1e-5))})
+    (fault,) = [line for line in faults_of(forgery, rows, STEP) if line.startswith("jaw-exact")]
+    assert f"{column} differs by -" in fault and "on average" in fault
 
 
 @pytest.mark.parametrize("column", ["score_s", "rmse", "within_0.05_s"])
