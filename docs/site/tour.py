@@ -160,7 +160,8 @@ setInterval(() => {
   name(".mantine-Select-input", "Speed");
 }, 500);
 </script>"""
-_NO_BANNER = "<style>.mantine-Notification-root { display: none !important; }</style>"  # of WebGL by the processor, over a jaw
+# Viser's notice that the processor draws would cover a jaw.
+_NO_BANNER = "<style>.mantine-Notification-root { display: none !important; }</style>"
 _MARKS = """<script>
 setInterval(() => document.querySelectorAll(".mantine-Slider-trackContainer").forEach((track) => {
   if (track.querySelector("[data-mark]")) return;
