@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import gc
 import hashlib
 import inspect
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import contextmanager
 from functools import cache, cached_property, update_wrapper
 from types import FunctionType
 from typing import Any, TypeVar, cast
@@ -21,6 +19,7 @@ from numba.np.ufunc import parallel
 from jawenv.errors import InputError
 from jawenv.kernels.cache import MADE_OF, OPTIONS, KernelCache, kernel_folder, one_process, prune_cache
 from jawenv.kernels.linked import LinkedCompiler
+from jawenv.kernels.quick import KNOWN, quickly
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -42,20 +41,8 @@ def _content_number(text: str) -> int:
 setattr(numba.types.Record, "mangling_args", property(_record_in_symbol))  # noqa: B010 - declared as a method
 
 
-@contextmanager
-def without_collection() -> Iterator[None]:
-    """Within it Python collects no cycles: Numba makes millions of objects that stay, and each search goes over all."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
-
-
-LINKS = numba.version_info.short == (0, 68)
-"""Whether kernels are linked into others: with the Numba that this is tested with; with another all are compiled."""
+LINKS = KNOWN
+"""Whether kernels are linked into others; with another Numba all are compiled."""
 
 
 class Kernel:
@@ -127,7 +114,9 @@ def where(
 
         update_wrapper(part, function)
         part.__dict__[MADE_OF] = tuple(piece for piece in (function, otherwise, condition) if piece is not None)
-        numba.extending.overload(part, inline="always")(update_wrapper(choose, function))
+        # Else each part, which is inlined, would be compiled to machine code first.
+        options: Any = {"jit_options": LINKED} if LINKS else {}
+        numba.extending.overload(part, inline="always", **options)(update_wrapper(choose, function))
         return cast(Function, part)
 
     return decorate
@@ -229,5 +218,5 @@ def _compile(function: Function, linked: bool = False, **options: Any) -> Functi
     njit_as: Any = numba.njit
     compiled: Any = njit_as(error_model="numpy", **options, **(LINKED if linked else {}))(kernel)
     compiled._cache = KernelCache(kernel, linked)
-    compiled._compiler.compile = without_collection()(compiled._compiler.compile)
+    compiled._compiler.compile = quickly()(compiled._compiler.compile)
     return cast(Function, compiled)

@@ -14,15 +14,25 @@ from collections.abc import Callable
 from math import sqrt
 from typing import Any
 
-from llvmlite import ir
-from numba import types
+from llvmlite import binding, ir
+from numba import config, types
 from numba.core import cgutils, errors
 from numba.extending import intrinsic
 
 from jawenv.kernels.compiled import njit
 
-WIDE = 8  # numbers in a vector register
-SUMS = 20  # vectors that a product adds up at once, of 32 registers
+
+def _features() -> set[str]:
+    """What this processor can do, as Numba compiles for it."""
+    asked: str | None = getattr(config, "CPU_FEATURES", None)
+    if asked is not None:
+        return {name[1:] for name in asked.split(",") if name.startswith("+")}
+    return {name for name, has in binding.get_host_cpu_features().items() if has}
+
+
+WIDE = 8  # numbers that are written as one vector: a register of AVX-512, two of AVX2
+SUMS = 20 if "avx512f" in _features() else 6
+"""Vectors that a product adds up at once, of the 32 or 8 that registers hold: more are put aside and taken back."""
 _FLAGS = ("contract",)
 _INDEX, _NUMBER = ir.IntType(64), ir.DoubleType()
 
@@ -161,18 +171,20 @@ def _add_squares(typing: Any, rows: Any, target: Any) -> Any:
         blocks = _index(out.columns // WIDE)
         with cgutils.for_range(builder, blocks) as upper, cgutils.for_range(builder, blocks, start=upper.index) as left:
             first, column = (builder.mul(loop.index, _index(WIDE)) for loop in (upper, left))
-            totals: list[Any] = [None] * WIDE
-            for k in range(source.rows):
-                vector = source.vector(_index(k), column, WIDE)
-                for row in range(WIDE):
-                    number = source.number(_index(k), builder.add(first, _index(row)))
-                    term = builder.fmul(_spread(builder, number, WIDE), vector, flags=_FLAGS)
-                    total = totals[row]
-                    totals[row] = term if total is None else builder.fadd(total, term, flags=_FLAGS)
-            for row in range(WIDE):
-                here = builder.add(first, _index(row))
-                old = out.vector(here, column, WIDE)
-                out.store(builder.fadd(old, totals[row], flags=_FLAGS), here, column, WIDE)
+            together = WIDE if SUMS > WIDE else WIDE // 2
+            for begin in range(0, WIDE, together):
+                rows = range(begin, begin + together)
+                totals: dict[int, Any] = {}
+                for k in range(source.rows):
+                    vector = source.vector(_index(k), column, WIDE)
+                    for row in rows:
+                        number = source.number(_index(k), builder.add(first, _index(row)))
+                        term = builder.fmul(_spread(builder, number, WIDE), vector, flags=_FLAGS)
+                        totals[row] = term if k == 0 else builder.fadd(totals[row], term, flags=_FLAGS)
+                for row in rows:
+                    here = builder.add(first, _index(row))
+                    old = out.vector(here, column, WIDE)
+                    out.store(builder.fadd(old, totals[row], flags=_FLAGS), here, column, WIDE)
         return context.get_dummy_value()
 
     return types.void(rows, target), generate
