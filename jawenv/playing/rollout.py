@@ -73,8 +73,8 @@ def play(
         progress: called with (steps done, steps of the longest episode) after every control step.
         on_step: called with the environment and the actions (N, 4) before every control step, and at the end with None
             in place of actions; it reads the environment, and changes nothing.
-        agent_seed: another number makes other draws of an agent that draws. Its `reset` gets `own_seed` of this, and
-            nothing of `seed`, by which it could make its patients.
+        agent_seed: another number makes other draws of an agent that draws. Its `reset` gets `agents.own_seed` of this,
+            and nothing of `seed`, by which it could make its patients.
 
     Returns:
         The recording of all worlds. A world that ends early stays frozen while the others go on.

@@ -44,7 +44,7 @@ def test_a_data_set_is_what_was_played(tmp_path, monkeypatch, capsys):
         env_id = "jawenv/JawHinge-v3"
         agent = load_agent(name, control="targets", env_id=env_id)
         for seed, episode in zip((3, 4), loaded.iterate_episodes(), strict=True):
-            played = play(agent, patients=1, seed=seed, env_id=env_id, env_kwargs=kwargs)
+            played = play(agent, patients=1, seed=seed, env_id=env_id, env_kwargs=kwargs, agent_seed=seed - 3)
             assert len(episode.actions) == 5 and episode.truncations[-1]
             np.testing.assert_array_equal(episode.infos["belief_mean"], played.belief_mean[0])
             np.testing.assert_array_equal(episode.infos["truth"][0], played.truth[0])
