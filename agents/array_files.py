@@ -38,11 +38,7 @@ _DAMAGE = (
 
 
 def save_arrays(path: Path, **arrays: Any) -> None:
-    """Write arrays by their names.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write arrays by their names."""
     with atomic_write(path) as unfinished, unfinished.open("wb") as file:
         np.savez_compressed(file, **arrays)
 
@@ -54,9 +50,6 @@ def load_arrays(path: Path, names: tuple[str, ...], what: str) -> tuple[NDArray[
         path: the file.
         names: of the arrays.
         what: noun for the arrays in the message.
-
-    Raises:
-        InputError: no such file, a damaged one, or one without these arrays.
     """
     with open_file(path) as file:
         try:

@@ -39,9 +39,6 @@ class Clairvoyant(Planner):
         name: its name.
         updates: steps of Adam.
         control: control mode of the environment.
-
-    Raises:
-        InputError: another control mode than targets.
     """
 
     together = 50

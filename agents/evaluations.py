@@ -30,11 +30,7 @@ CURVES = (
 
 
 def read_evaluations(run: Path) -> Table:
-    """The evaluations so far of the run in a folder; none if there is no such file.
-
-    Raises:
-        InputError: the table is damaged.
-    """
+    """The evaluations so far of the run in a folder; none if there is no such file."""
     path = run / FILE
     if not path.exists():
         return []

@@ -23,9 +23,6 @@ def load_own(spec: str, settings: Mapping[str, Any]) -> Agent:
     Args:
         spec: ``package.module:Name``.
         settings: keyword arguments; those are given that its signature takes.
-
-    Raises:
-        InputError: no such module or name, an error in either, or the result is no agent.
     """
     make = _named(spec)
     try:
@@ -44,11 +41,7 @@ def load_own(spec: str, settings: Mapping[str, Any]) -> Agent:
 
 
 def source_of(spec: str) -> Path | None:
-    """The file that an agent of one's own stands in, found without running it; None if no file has it.
-
-    Raises:
-        InputError: no such module.
-    """
+    """The file that an agent of one's own stands in, found without running it; None if no file has it."""
     if not is_named(spec):
         return None
     add_current_folder()

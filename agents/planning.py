@@ -39,9 +39,6 @@ class Planner(BatchAgent, ABC):
         replan_s: how long it follows a plan.
         decisions: plans made since ``reset``, over all worlds.
         seconds: time that they took in all.
-
-    Raises:
-        InputError: another control mode than targets.
     """
 
     together: int
@@ -67,11 +64,7 @@ class Planner(BatchAgent, ABC):
         return 1e3 * self.seconds / self.decisions if self.decisions else float("nan")
 
     def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
-        """See ``jawenv.playing.agents.Planning.attach``.
-
-        Raises:
-            InputError: an environment with another control mode than targets, or one that the planner cannot play.
-        """
+        """See ``jawenv.playing.agents.Planning.attach``."""
         unwrapped: Any = env.unwrapped
         simulation = unwrapped.simulation
         self._check(simulation.configuration.control)
@@ -106,11 +99,7 @@ class Planner(BatchAgent, ABC):
 
     @abstractmethod
     def _begin(self, simulation: Any) -> None:
-        """Get ready for the worlds of a simulation.
-
-        Raises:
-            InputError: worlds for which it cannot plan.
-        """
+        """Get ready for the worlds of a simulation."""
 
     @abstractmethod
     def _search(self, step: Array, due: Mask) -> None:

@@ -71,10 +71,6 @@ def load_policy(path: str | Path, *, env_id: str | None = None, trust: bool = Fa
         path: folder, card or checkpoint.
         env_id: of the environment that it shall play, as `jawenv.ladder.model_of_env` takes it, to be checked.
         trust: whether a stable-baselines3 checkpoint may be unpickled.
-
-    Raises:
-        InputError: a card or weights that are missing, damaged or do not fit each other, no checkpoint, one that is
-            not trusted, or a policy of another environment.
     """
     path = Path(path)
     folder = policy_folder(path)

@@ -50,9 +50,6 @@ def load_agent(
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
         trust: whether a stable-baselines3 checkpoint may be unpickled, which can run code.
-
-    Raises:
-        InputError: an unknown name or environment, or a file of another kind; in one line.
     """
     path, model = Path(spec), model_of_env(env_id)
     if str(spec) in PLANNERS:
@@ -80,11 +77,7 @@ def load_agent(
 
 
 def world_of(spec: str | Path) -> Configuration | None:
-    """World of a policy's training; None if the spec is no policy. A checkpoint of a run counts as the run.
-
-    Raises:
-        InputError: the policy's card is damaged.
-    """
+    """World of a policy's training; None if the spec is no policy. A checkpoint of a run counts as the run."""
     run = card_of(spec)
     if run is None:
         return None
@@ -98,9 +91,6 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
     """The files that decide the actions of a spec's agent, beside those of the program.
 
     For an agent of one's own this is its module, without the module's imports.
-
-    Raises:
-        InputError: a damaged card, or no module of one's own.
     """
     path = Path(spec)
     if str(spec) in (*BASELINES, *PLANNERS, *names()):

@@ -57,11 +57,7 @@ class Replay(BatchAgent):
 
     @classmethod
     def load(cls, path: Path) -> Replay:
-        """Read a file of ``save``.
-
-        Raises:
-            InputError: no such file, or one that holds no actions.
-        """
+        """Read a file of ``save``."""
         name, actions, hz = load_arrays(path, ("name", "actions", "decision_hz"), "recorded actions")
         right = actions.ndim == 3 and actions.shape[2] == len(CHANNELS) and actions.size and actions.dtype.kind == "f"
         if not right or not (np.abs(actions) <= 1.0).all():
@@ -102,19 +98,12 @@ def replay_of(
         seed: of the first patient.
         env_kwargs: arguments of the environment.
         env_id: its id.
-
-    Raises:
-        InputError: an agent without targets, or an error of ``jawenv.play``.
     """
     return replays_of(agent, patients=patients, seed=seed, env_kwargs=env_kwargs, env_id=env_id)[0]
 
 
 def check_targets(agent: Agent, env_kwargs: dict[str, Any]) -> None:
-    """Make sure that an agent says where the jaw shall be, so that this can be replayed.
-
-    Raises:
-        InputError: it does not, or plays another control mode than asked for.
-    """
+    """Make sure that an agent says where the jaw shall be, so that this can be replayed."""
     control = control_of(agent, env_kwargs) or DEFAULT_CONTROL
     if not takes_targets(control) and not _followed(agent):
         raise InputError(
@@ -225,11 +214,7 @@ def _keyframes(values: Array, period: float) -> dict[str, Any]:
 
 
 def save_maneuver(maneuver: Maneuver, path: Path) -> Path:
-    """Write a maneuver file (YAML), either whole or not at all; returns its path.
-
-    Raises:
-        InputError: another ending than .yaml, or a place that cannot be written.
-    """
+    """Write a maneuver file (YAML), either whole or not at all; returns its path."""
     import yaml
 
     if path.suffix != ".yaml":

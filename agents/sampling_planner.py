@@ -36,9 +36,6 @@ class SamplingPlanner(Planner):
         name: its name.
         candidates: targets that are tried, to stay first.
         **arguments: of ``Planner``.
-
-    Raises:
-        InputError: no or too many candidates, or another control mode than targets.
     """
 
     together = 4
@@ -75,17 +72,11 @@ class SamplingPlanner(Planner):
 
 
 class Forecast(NamedTuple):
-    """Expected results of K sequences of actions in each of N worlds.
+    """Expected results of K sequences of actions in each of N worlds."""
 
-    Attributes:
-        gain: (N, K) growth of the potential, nats.
-        cost: (N, K) discomfort, s.
-        lost: (N, K) whether a hard limit is crossed or the belief is no number.
-    """
-
-    gain: Array
-    cost: Array
-    lost: Mask
+    gain: Array  # (N, K) growth of the potential, nats
+    cost: Array  # (N, K) discomfort, s
+    lost: Mask  # (N, K) whether a hard limit is crossed or the belief is no number
 
 
 class Prediction:
@@ -96,9 +87,6 @@ class Prediction:
         candidates: K.
         goal: a potential of ``jawenv.envs.rewards``; the prediction is of its growth.
         clairvoyant: copies have the worlds' true muscles, geometry, motion, tissue and sensor errors.
-
-    Raises:
-        InputError: worlds that cannot be copied.
     """
 
     def __init__(self, simulation: Simulation, candidates: int, *, goal: str, clairvoyant: bool) -> None:

@@ -15,23 +15,14 @@ DEFAULT_CONTROL: Final[Control] = "targets"
 
 @dataclass(frozen=True)
 class ControlMode:
-    """A control mode, as all other parts need it.
+    """A control mode, as all other parts need it."""
 
-    Attributes:
-        name: as arguments have it.
-        steps_per_s: where none are given.
-        has_servos: whether position servos hold the motors.
-        takes_targets: whether the numbers are targets of the channels, which the device's own law follows.
-        commanded: names of the four numbers.
-        full_action: what a number of 1 commands.
-    """
-
-    name: Control
-    steps_per_s: float
-    has_servos: bool
-    takes_targets: bool
-    commanded: tuple[str, str, str, str]
-    full_action: str
+    name: Control  # as arguments have it
+    steps_per_s: float  # where none are given
+    has_servos: bool  # whether position servos hold the motors
+    takes_targets: bool  # whether the numbers are targets of the channels, which the device's own law follows
+    commanded: tuple[str, str, str, str]  # names of the four numbers
+    full_action: str  # what a number of 1 commands
 
 
 _MOTORS = ("motor 1", "motor 2", "motor 3", "motor 4")
@@ -53,11 +44,7 @@ def takes_targets(control: object) -> bool:
 
 
 def mode_of(env_kwargs: Mapping[str, Any]) -> ControlMode:
-    """The control mode of an environment with such arguments.
-
-    Raises:
-        InputError: there is no such mode.
-    """
+    """The control mode of an environment with such arguments."""
     control = env_kwargs.get("control", DEFAULT_CONTROL)
     if not isinstance(control, str) or control not in CONTROLS:
         raise not_among("control", control, CONTROLS)
@@ -73,9 +60,6 @@ def control_of(agent: Any, env_kwargs: Mapping[str, Any]) -> Any:
 
     Returns:
         The mode's name, not checked; None where neither says one, so that the environment has its default.
-
-    Raises:
-        InputError: the two contradict each other.
     """
     own = getattr(agent, "control", None)
     asked = env_kwargs.get("control", own)

@@ -70,11 +70,7 @@ Text = Annotated[str, AfterValidator(_in_one_line)]
 
 
 class InputModel(BaseModel):
-    """A frozen pydantic model of something from outside: no unknown keys, no NaN or infinity.
-
-    Raises:
-        InputError: from the constructor, one line that names the field, the value and what is allowed.
-    """
+    """A frozen pydantic model of something from outside: no unknown keys, no NaN or infinity."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -97,9 +93,6 @@ def validate(model: type[Model], data: object, source: str) -> Model:
         model: the pydantic model.
         data: what came from outside, a mapping of field names.
         source: what the message begins with, such as the file's name.
-
-    Raises:
-        InputError: one line that names source, field, value and what is allowed.
     """
     if not isinstance(data, Mapping):
         raise InputError(f"{source}: content is {_kind(data)}; allowed: a mapping of keys to values")
@@ -110,20 +103,12 @@ def validate(model: type[Model], data: object, source: str) -> Model:
 
 
 def read_model(path: str | os.PathLike[str], model: type[Model]) -> Model:
-    """Read a JSON, TOML or YAML file into a model.
-
-    Raises:
-        InputError: the file is missing, unreadable, damaged, or its content does not fit the model.
-    """
+    """Read a JSON, TOML or YAML file into a model."""
     return validate(model, read_mapping(path), os.fspath(path))
 
 
 def read_into(path: str | os.PathLike[str], build: Callable[[Mapping[str, Any]], Built]) -> Built:
-    """Build something of the mapping in a JSON, TOML or YAML file.
-
-    Raises:
-        InputError: what ``read_mapping`` or ``build`` refuses; the message begins with the file's name.
-    """
+    """Build something of the mapping in a JSON, TOML or YAML file."""
     data = read_mapping(path)
     try:
         return build(data)
@@ -155,9 +140,6 @@ def instance_of(kind: type[Kind], source: object, name: str) -> Kind:
         kind: the class.
         source: what came from outside.
         name: what the message calls it.
-
-    Raises:
-        InputError: none of the three, or a mapping or file that the class refuses.
     """
     if isinstance(source, kind):
         return source
@@ -170,11 +152,7 @@ def instance_of(kind: type[Kind], source: object, name: str) -> Kind:
 
 
 def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Read a JSON, TOML or YAML file (by its suffix) whose top level is a mapping.
-
-    Raises:
-        InputError: the file is missing, unreadable, damaged or holds something else.
-    """
+    """Read a JSON, TOML or YAML file (by its suffix) whose top level is a mapping."""
     path = Path(path)
     parse = _PARSERS.get(path.suffix.lower())
     if parse is None:
@@ -206,9 +184,6 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     Yields:
         Where to write. At the end of the block this becomes the file, in place of an older one; after an error nothing
         is left of it.
-
-    Raises:
-        InputError: the file cannot be written.
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}.unfinished")
@@ -237,32 +212,20 @@ def remove_unfinished(output: Path) -> None:
 
 
 def check_kept(output: Path, inputs: Iterable[Path | None]) -> None:
-    """Check that a file that will be written is none of those that are read, also by way of links.
-
-    Raises:
-        InputError: it is one of them.
-    """
+    """Check that a file that will be written is none of those that are read, also by way of links."""
     for source in inputs:
         if source is not None and output.exists() and source.exists() and output.samefile(source):
             raise InputError(f"{output}: is read as {source}; allowed: an output that is no input")
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text, wholly or not at all.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write a text, wholly or not at all."""
     with atomic_write(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
 
 
 def write_json(path: str | os.PathLike[str], model: BaseModel) -> None:
-    """Write a model as JSON, wholly or not at all.
-
-    Raises:
-        InputError: the name does not end in .json, or the file cannot be written.
-    """
+    """Write a model as JSON, wholly or not at all."""
     path = Path(path)
     if path.suffix.lower() != ".json":
         raise InputError(f"file is {path}, and written as JSON; allowed: a name that ends in .json")

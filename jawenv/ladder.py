@@ -22,26 +22,19 @@ Estimator = Literal["midline", "bilateral"]
 
 @dataclass(frozen=True)
 class Model:
-    """One rung of the ladder.
+    """One rung of the ladder."""
 
-    Attributes:
-        name: as the environment's argument ``model`` takes it.
-        title: the environment's name without namespace and version.
-        muscle_set: key of ``known_muscle_sets``.
-        free: which of x, y, theta, psi, alpha can move in the filter's model, and in the midline plant.
-        plant: mechanics of the truth: ``midline`` (one point on the fossa, compiled, the filter's own),
-            ``contact`` (planar rigid body with contact and friction, pymunk), ``bilateral`` (two compliant condyles).
-        shows: what the model can show.
-        hides: what it cannot.
-    """
-
-    name: str
-    title: str
-    muscle_set: str
+    name: str  # as the environment's argument ``model`` takes it
+    title: str  # the environment's name without namespace and version
+    muscle_set: str  # key of ``known_muscle_sets``
     free: tuple[bool, bool, bool, bool, bool]
+    """Which of x, y, theta, psi, alpha can move in the filter's model, and in the midline plant."""
     plant: Plant
-    shows: str
-    hides: str
+    """Mechanics of the truth: ``midline`` (one point on the fossa, compiled, the filter's own), ``contact`` (planar
+    rigid body with contact and friction, pymunk), ``bilateral`` (two compliant condyles).
+    """
+    shows: str  # what the model can show
+    hides: str  # what it cannot
 
     @property
     def env_id(self) -> str:
@@ -130,11 +123,7 @@ MODELS: Mapping[str, Model] = MappingProxyType(
 
 
 def model_named(name: str) -> Model:
-    """The model of that name.
-
-    Raises:
-        InputError: unknown name; the message lists the known ones.
-    """
+    """The model of that name."""
     if not isinstance(name, str) or name not in MODELS:
         raise not_among("model", name, MODELS)
     return MODELS[name]
@@ -146,11 +135,7 @@ KNOWN_WITHIN_SDS = "jawenv/JawImaged-v3"
 
 
 def model_of_env(env: str) -> Model:
-    """The model that an environment runs, by its id, its id without namespace and version, or the model's own name.
-
-    Raises:
-        InputError: none of these; the message lists the ids.
-    """
+    """The model that an environment runs, by its id, its id without namespace and version, or the model's own name."""
     if env in (KNOWN_WITHIN_SDS, title_of_env(KNOWN_WITHIN_SDS)):
         return MODELS["jaw"]
     for model in MODELS.values():
@@ -161,11 +146,7 @@ def model_of_env(env: str) -> Model:
 
 
 def env_id_of(env: str) -> str:
-    """The id of an environment that is named as `model_of_env` takes it; the present version.
-
-    Raises:
-        InputError: unknown; the message lists the ids.
-    """
+    """The id of an environment that is named as `model_of_env` takes it; the present version."""
     model = model_of_env(env)
     return KNOWN_WITHIN_SDS if env in (KNOWN_WITHIN_SDS, title_of_env(KNOWN_WITHIN_SDS)) else model.env_id
 

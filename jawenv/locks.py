@@ -26,9 +26,6 @@ def alone(output: Path) -> Iterator[None]:
     Args:
         output: a file or a folder, which need not exist. The folder that it is to lie in is made where it is missing,
             and goes again if nothing was written.
-
-    Raises:
-        InputError: another process is at work there, or that folder cannot be made or written.
     """
     target = output.resolve()
     path = target.with_name(f".{target.name}.lock")

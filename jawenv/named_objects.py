@@ -28,9 +28,6 @@ def import_named(spec: str, kind: str) -> Any:
     Args:
         spec: ``package.module:Name``.
         kind: what it is to be, for messages.
-
-    Raises:
-        InputError: no such module or name, or an error in the module.
     """
     module, _, name = spec.partition(":")
     add_current_folder()

@@ -22,19 +22,12 @@ _TO_SI = {"mm": (1.0, 1e3), "mm/s": (1.0, 1e3), "ms": (1.0, 1e3), "deg": (pi / 1
 
 
 class NumericField(NamedTuple):
-    """A field's range and unit.
+    """A field's range and unit."""
 
-    Attributes:
-        high: the highest value.
-        unit: such as ``mm/s``; the field's name ends with it, except where it is ``1``.
-        zero: whether 0 is allowed, by which some formulas divide.
-        record: name in the kernels' record; None for the field's without its unit.
-    """
-
-    high: float
-    unit: str
-    zero: bool
-    record: str | None
+    high: float  # the highest value
+    unit: str  # such as ``mm/s``; the field's name ends with it, except where it is ``1``
+    zero: bool  # whether 0 is allowed, by which some formulas divide
+    record: str | None  # name in the kernels' record; None for the field's without its unit
 
     def allowed(self) -> str:
         """The range in words."""
@@ -52,11 +45,7 @@ def number(default: float, high: float, unit: str, *, zero: bool = True, record:
 
 @dataclass(frozen=True)
 class NumericFields:
-    """Numbers from outside, each in its range.
-
-    Raises:
-        InputError: a field is not a finite number, or out of its range.
-    """
+    """Numbers from outside, each in its range."""
 
     def __post_init__(self) -> None:
         """Check every field."""
@@ -74,11 +63,7 @@ class NumericFields:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The fields that a mapping names; the others have their defaults.
-
-        Raises:
-            InputError: an unknown field, or a value that is not allowed.
-        """
+        """The fields that a mapping names; the others have their defaults."""
         allowed = cls.numeric_fields()
         for name in data:
             if name not in allowed:
@@ -88,11 +73,7 @@ class NumericFields:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """The fields that a JSON, TOML or YAML file names.
-
-        Raises:
-            InputError: one line that names the file and what is wrong with it.
-        """
+        """The fields that a JSON, TOML or YAML file names."""
         return read_into(path, cls.from_dict)
 
     def changes(self) -> dict[str, float]:

@@ -41,9 +41,6 @@ def open_file(path: str | os.PathLike[str], largest: int = LARGEST_DATA) -> Iter
 
     Yields:
         The open file.
-
-    Raises:
-        InputError: no such file, one that cannot be read, is larger, or is a pipe, a device or a folder.
     """
     name = os.fspath(path)
     try:

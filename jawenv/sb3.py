@@ -57,10 +57,6 @@ class NativeVecEnv(VecEnv):
         num_envs: of an id; a vector environment has its own.
         price: of discomfort: each reward is less by price times discomfort of the step. None by default.
         arguments: of an id, for ``gym.make_vec``.
-
-    Raises:
-        InputError: the environment resets its worlds in another mode, its observation is not a Box, or arguments
-            are given beside a vector environment.
     """
 
     def __init__(

@@ -28,25 +28,15 @@ FEWEST = 1e-6
 
 
 class Held(NamedTuple):
-    """A jaw as the device holds it.
+    """A jaw as the device holds it."""
 
-    Attributes:
-        pose: of the jaw.
-        passive: at the pose.
-        arm: (P, 3) of the mouthpiece.
-        device: (P, 6) force and moment at the mouthpiece.
-        servos: (P, 4, 6) wrenches of the motors' unit forces.
-        stiffness: (P, 5, 5) of jaw and device together.
-        speeds: (P, 5).
-    """
-
-    pose: Pose
-    passive: Passive
-    arm: Tensor
-    device: Tensor
-    servos: Tensor
-    stiffness: Tensor
-    speeds: Tensor
+    pose: Pose  # of the jaw
+    passive: Passive  # at the pose
+    arm: Tensor  # (P, 3) of the mouthpiece
+    device: Tensor  # (P, 6) force and moment at the mouthpiece
+    servos: Tensor  # (P, 4, 6) wrenches of the motors' unit forces
+    stiffness: Tensor  # (P, 5, 5) of jaw and device together
+    speeds: Tensor  # (P, 5)
 
 
 class Belief:

@@ -39,17 +39,11 @@ _GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for 
 
 @dataclass(frozen=True)
 class Patients:
-    """P patients and their limits of comfort: tensors with P leading, named as ``jawenv.device.comfort.Limits``.
+    """P patients and their limits of comfort: tensors with P leading, named as ``jawenv.device.comfort.Limits``."""
 
-    Attributes:
-        jaw: their anatomies.
-        theta: (P, 12) natural-log parameters.
-        rest: (P, 5) pose at rest.
-    """
-
-    jaw: Jaw
-    theta: Tensor
-    rest: Tensor
+    jaw: Jaw  # their anatomies
+    theta: Tensor  # (P, 12) natural-log parameters
+    rest: Tensor  # (P, 5) pose at rest
     rest_opening: Tensor
     opening: Tensor
     path: Tensor
@@ -92,9 +86,6 @@ class Twin:
 
     Args:
         simulation: of the environment.
-
-    Raises:
-        InputError: an environment of another model than ``JawEnv``'s own.
     """
 
     def __init__(self, simulation: Any) -> None:

@@ -40,15 +40,10 @@ _Z = torch.tensor([0.0, 0.0, 1.0], dtype=torch.float64)
 
 
 class Forces(NamedTuple):
-    """Generalised forces.
+    """Generalised forces."""
 
-    Attributes:
-        force: (..., 5).
-        stiffness: (..., 5, 5) minus their derivative by q.
-    """
-
-    force: Tensor
-    stiffness: Tensor
+    force: Tensor  # (..., 5)
+    stiffness: Tensor  # (..., 5, 5) minus their derivative by q
 
     def __add__(self, other: Any) -> Forces:
         """Both together."""
@@ -56,21 +51,13 @@ class Forces(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Where the mandible is.
+    """Where the mandible is."""
 
-    Attributes:
-        q: (..., 5).
-        contact: (..., 3) midpoint of the condyles, head axes.
-        turned: (..., 3, 3) body to head axes.
-        twists: (..., 5, 6) Z.
-        curvature: (...,) of the fossa.
-    """
-
-    q: Tensor
-    contact: Tensor
-    turned: Tensor
-    twists: Tensor
-    curvature: Tensor
+    q: Tensor  # (..., 5)
+    contact: Tensor  # (..., 3) midpoint of the condyles, head axes
+    turned: Tensor  # (..., 3, 3) body to head axes
+    twists: Tensor  # (..., 5, 6) Z
+    curvature: Tensor  # (...,) of the fossa
 
     def arms(self, body: Tensor) -> Tensor:
         """(..., n, 3) from the contact point to points (n, 3) of the body."""
@@ -83,27 +70,16 @@ class Pose(NamedTuple):
 
 
 class Passive(NamedTuple):
-    """What the jaw carries without the device.
+    """What the jaw carries without the device."""
 
-    Attributes:
-        forces: of muscles, teeth, weight and capsule.
-        tension: (..., 6) passive tensions, N.
-        strain: (..., 6) of the lines.
-        columns: (..., 5, 12) derivatives of the generalised force by log F_o and log b of each muscle.
-        units: (..., 5, 6) generalised force of 1 N along each line, Q_m.
-        stretching: (..., 6, 2) derivatives of T and T b s by the length, k.
-        gap: (...,) of the nearest tooth, m.
-        bite: (...,) force of all teeth, N.
-    """
-
-    forces: Forces
-    tension: Tensor
-    strain: Tensor
-    columns: Tensor
-    units: Tensor
-    stretching: Tensor
-    gap: Tensor
-    bite: Tensor
+    forces: Forces  # of muscles, teeth, weight and capsule
+    tension: Tensor  # (..., 6) passive tensions, N
+    strain: Tensor  # (..., 6) of the lines
+    columns: Tensor  # (..., 5, 12) derivatives of the generalised force by log F_o and log b of each muscle
+    units: Tensor  # (..., 5, 6) generalised force of 1 N along each line, Q_m
+    stretching: Tensor  # (..., 6, 2) derivatives of T and T b s by the length, k
+    gap: Tensor  # (...,) of the nearest tooth, m
+    bite: Tensor  # (...,) force of all teeth, N
 
 
 def norm(vector: Tensor) -> Tensor:

@@ -30,15 +30,10 @@ STEP = 1e-2
 
 
 class Columns(NamedTuple):
-    """Derivatives by the nuisances, in sds.
+    """Derivatives by the nuisances, in sds."""
 
-    Attributes:
-        force: (..., 5, m) of the generalised force left over at given readings.
-        readings: (..., 6, m) of what no pose explains in the encoders' place and angles, in their sds.
-    """
-
-    force: Tensor
-    readings: Tensor
+    force: Tensor  # (..., 5, m) of the generalised force left over at given readings
+    readings: Tensor  # (..., 6, m) of what no pose explains in the encoders' place and angles, in their sds
 
 
 @dataclass(frozen=True)

@@ -39,11 +39,7 @@ _ACTION_SIZE = 4
 
 
 def load_apart(spec: str | Path, *, trust: bool = False, **settings: Any) -> Agent:
-    """As `agents.registry.load_agent`; a module or a pickled checkpoint in a process of its own.
-
-    Raises:
-        InputError: as `load_agent`.
-    """
+    """As `agents.registry.load_agent`; a module or a pickled checkpoint in a process of its own."""
     if is_named(str(spec)) or (trust and Path(spec).suffix == ".zip"):
         return AgentProcess(str(spec), trust=trust, **settings)
     return registry.load_agent(spec, trust=trust, **settings)
@@ -61,9 +57,6 @@ class AgentProcess:
         description: its own, or empty.
         control: its control mode, where it says so.
         made_of: files that decide its actions, beside its module.
-
-    Raises:
-        InputError: `load_agent` refuses it, or its process ends, is late, or answers something else than was asked for.
     """
 
     def __init__(self, spec: str, **settings: Any) -> None:

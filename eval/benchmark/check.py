@@ -41,23 +41,15 @@ CANNOT_KNOW = (
 
 @dataclass(frozen=True)
 class Checked:
-    """Result of a check.
+    """Result of a check."""
 
-    Attributes:
-        played: how many episodes were played again.
-        equal: how many of them have the same score to the digit.
-        faults: differences, a line each; none if all reproduces.
-        patients: of each score; 0 where nothing was played.
-        exact: whether every column was compared to the bit, on the platform that made them.
-        rows: of the episodes that were played again.
-    """
-
-    played: int
-    equal: int
-    faults: tuple[str, ...]
-    patients: int = 0
-    exact: bool = False
+    played: int  # how many episodes were played again
+    equal: int  # how many of them have the same score to the digit
+    faults: tuple[str, ...]  # differences, a line each; none if all reproduces
+    patients: int = 0  # of each score; 0 where nothing was played
+    exact: bool = False  # whether every column was compared to the bit, on the platform that made them
     rows: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False, compare=False)
+    """Of the episodes that were played again."""
 
 
 def check(folder: Path, patients: int | None = None, run: Run | None = None, *, trust: bool = False) -> Checked:
@@ -72,9 +64,6 @@ def check(folder: Path, patients: int | None = None, run: Run | None = None, *, 
             which it lies. All by default.
         run: how it is played.
         trust: whether modules of the submission may be run, and its stable-baselines3 checkpoints unpickled.
-
-    Raises:
-        InputError: a file is missing or damaged, is of other tasks, or needs trust.
     """
     submitted = submission.read(folder)
     rows = _read_patients(folder / PATIENTS, submitted.made_with)
@@ -111,10 +100,6 @@ def _read_patients(path: Path, made_with: Mapping[str, Any]) -> pd.DataFrame:
     Args:
         path: of the file.
         made_with: metadata of the submission.
-
-    Raises:
-        InputError: it is missing or damaged, was made with something else, or has other columns or values than this
-            program writes.
     """
     rows, metadata = read_table(path, _COLUMNS, _REMEDY)
     if metadata != made_with:

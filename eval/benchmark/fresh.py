@@ -44,66 +44,39 @@ _LEAST_S = 0.2  # earlier times count as this one in a ratio: a control step
 
 
 class FreshScore(InputModel):
-    """A score on public and on fresh patients, both played by the checker.
+    """A score on public and on fresh patients, both played by the checker."""
 
-    Attributes:
-        task: its id.
-        agent: label of the agent.
-        public_s: on the public patients, s.
-        fresh_s: on the fresh ones.
-        low_s: lower end of the latter's 95 % interval; None of one patient.
-        high_s: its upper end.
-    """
-
-    task: Text
-    agent: Label
-    public_s: Number
-    fresh_s: Number
-    low_s: Number | None
-    high_s: Number | None
+    task: Text  # its id
+    agent: Label  # label of the agent
+    public_s: Number  # on the public patients, s
+    fresh_s: Number  # on the fresh ones
+    low_s: Number | None  # lower end of the latter's 95 % interval; None of one patient
+    high_s: Number | None  # its upper end
 
 
 class Checked(InputModel):
-    """All that ``checked.json`` holds.
+    """All that ``checked.json`` holds."""
 
-    Attributes:
-        submission: digest of the submission's files.
-        key: by which the fresh patients were drawn, as hexadecimal digits.
-        patients: how many of each task.
-        scores: of each task and agent.
-        made_with: command, versions, commit, machine and time.
-    """
-
-    submission: Text
-    key: Text
-    patients: Annotated[int, Field(ge=2, strict=True)]
-    scores: tuple[FreshScore, ...]
-    made_with: dict[str, Any]
+    submission: Text  # digest of the submission's files
+    key: Text  # by which the fresh patients were drawn, as hexadecimal digits
+    patients: Annotated[int, Field(ge=2, strict=True)]  # how many of each task
+    scores: tuple[FreshScore, ...]  # of each task and agent
+    made_with: dict[str, Any]  # command, versions, commit, machine and time
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """An agent and the maneuver on public and on fresh patients.
+    """An agent and the maneuver on public and on fresh patients."""
 
-    Attributes:
-        task: its id.
-        agent: label of the agent.
-        public: score on the public patients.
-        fresh: score on the fresh ones.
-        apart: how much longer the latter is, s.
-        maneuver: both scores of the maneuver.
-        worse: share by which the agent's times beside the maneuver's are longer on fresh patients (geometric mean).
-        chance: of so much or more in an agent that is as good on both.
-    """
-
-    task: str
-    agent: str
-    public: Interval
-    fresh: Interval
-    apart: Interval
-    maneuver: tuple[Interval, Interval]
+    task: str  # its id
+    agent: str  # label of the agent
+    public: Interval  # score on the public patients
+    fresh: Interval  # score on the fresh ones
+    apart: Interval  # how much longer the latter is, s
+    maneuver: tuple[Interval, Interval]  # both scores of the maneuver
     worse: Interval
-    chance: float
+    """Share by which the agent's times beside the maneuver's are longer on fresh patients (geometric mean)."""
+    chance: float  # of so much or more in an agent that is as good on both
 
 
 @dataclass(frozen=True)
@@ -133,11 +106,7 @@ def seeds_of(task: str, number: int, key: bytes, submission: str) -> tuple[int, 
 
 
 def digest_of(folder: Path) -> str:
-    """SHA-256 of the names and contents of a submission's files.
-
-    Raises:
-        InputError: one cannot be read.
-    """
+    """SHA-256 of the names and contents of a submission's files."""
     files = [folder / name for name in (FILE, PATIENTS, PAGE)]
     copies = folder / AGENTS
     files += [] if copies.is_symlink() else sorted(path for path in copies.rglob("*") if not path.is_dir())
@@ -167,9 +136,6 @@ def compare(
         key: by which they are drawn.
         run: how they are played.
         trust: see `eval.benchmark.check.check`.
-
-    Raises:
-        InputError: an agent that cannot be played.
     """
     submission, cells = digest_of(folder), []
     seeds = {score.task: seeds_of(score.task, number, key, submission) for score in submitted.scores}

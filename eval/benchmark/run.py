@@ -26,9 +26,6 @@ def cells_of(
         tasks: at least one.
         patients: the first ones of every task; all by default.
         trust: whether stable-baselines3 checkpoints may be unpickled.
-
-    Raises:
-        InputError: no agent, one that cannot be loaded, or one that fits no task.
     """
     if not specs:
         raise InputError("nothing to play: name a maneuver, a file, a training run or a policy")

@@ -73,59 +73,37 @@ def _made(content: dict[str, Any]) -> dict[str, Any]:
 
 
 class SubmittedAgent(InputModel):
-    """Who was played.
+    """Who was played."""
 
-    Attributes:
-        agent: its label.
-        spec: as typed.
-        copy_at: where the folder of the submission holds it, from there; None if it comes with jawenv, or is a module.
-        fingerprint: SHA-256 of its files' names and contents; None if it has none.
-    """
-
-    agent: Label
-    spec: Text
+    agent: Label  # its label
+    spec: Text  # as typed
     copy_at: Text | None = None
-    fingerprint: Text | None = None
+    """Where the folder of the submission holds it, from there; None if it comes with jawenv, or is a module."""
+    fingerprint: Text | None = None  # SHA-256 of its files' names and contents; None if it has none
 
 
 class SubmittedScore(InputModel):
-    """The score of one agent in one task.
+    """The score of one agent in one task."""
 
-    Attributes:
-        task: its id.
-        agent: label of the agent.
-        patients: how many, from the first one on.
-        score_s: the score, s.
-        low_s: lower end of its 95 % interval; None of one patient.
-        high_s: its upper end.
-        note: in which settings the agent differs from the task's; empty if in none.
-    """
-
-    task: Text
-    agent: Label
-    patients: Annotated[int, Field(ge=1, strict=True)]
-    score_s: Number
-    low_s: Number | None
-    high_s: Number | None
+    task: Text  # its id
+    agent: Label  # label of the agent
+    patients: Annotated[int, Field(ge=1, strict=True)]  # how many, from the first one on
+    score_s: Number  # the score, s
+    low_s: Number | None  # lower end of its 95 % interval; None of one patient
+    high_s: Number | None  # its upper end
     note: Annotated[str, AfterValidator(printable)] = ""
+    """In which settings the agent differs from the task's; empty if in none."""
 
 
 class Submission(InputModel):
-    """All that ``submission.json`` holds.
+    """All that ``submission.json`` holds."""
 
-    Attributes:
-        benchmark: version of the tasks.
-        tasks_digest: of all that makes them.
-        agents: who was played.
-        scores: of each task and agent.
-        made_with: command, versions, commit, machine and time.
-    """
-
-    benchmark: Text
-    tasks_digest: Text
-    agents: Annotated[tuple[SubmittedAgent, ...], Field(min_length=1, max_length=_MOST_AGENTS)]
+    benchmark: Text  # version of the tasks
+    tasks_digest: Text  # of all that makes them
+    agents: Annotated[tuple[SubmittedAgent, ...], Field(min_length=1, max_length=_MOST_AGENTS)]  # who was played
     scores: Annotated[tuple[SubmittedScore, ...], Field(min_length=1, max_length=_MOST_AGENTS * len(TASKS))]
-    made_with: Annotated[dict[str, JsonValue], AfterValidator(_made)]
+    """Of each task and agent."""
+    made_with: Annotated[dict[str, JsonValue], AfterValidator(_made)]  # command, versions, commit, machine and time
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
@@ -139,12 +117,7 @@ class Submission(InputModel):
 
 
 def read(folder: Path) -> Submission:
-    """Read ``submission.json`` of a folder.
-
-    Raises:
-        InputError: it is missing or damaged, is of other tasks, has a time outside of an episode, or names a file
-            outside of the folder.
-    """
+    """Read ``submission.json`` of a folder."""
     submission = read_model(folder / FILE, Submission)
     if (submission.benchmark, submission.tasks_digest) != (VERSION, digest()):
         raise InputError(
@@ -159,11 +132,7 @@ def read(folder: Path) -> Submission:
 
 
 def check_times(file: Path, task: str, times: Iterable[float | None]) -> None:
-    """Make sure that times lie within the task's episode; tasks of another version are not known.
-
-    Raises:
-        InputError: one does not.
-    """
+    """Make sure that times lie within the task's episode; tasks of another version are not known."""
     longest = TASKS[task].episode_s if task in TASKS else math.inf
     for time in times:
         if time is not None and not 0.0 <= time <= longest:
@@ -222,9 +191,6 @@ def keep_agents(agents: Mapping[str, str], folder: Path) -> tuple[SubmittedAgent
     Args:
         agents: label -> name, file or module.
         folder: of the submission; its ``agents`` are replaced when all copies are written.
-
-    Raises:
-        InputError: a file cannot be read or written.
     """
     for left in folder.glob(f".{AGENTS}.*"):  # of a process that was killed
         _remove(left)
@@ -265,22 +231,14 @@ def _writing(folder: Path) -> Iterator[None]:
 
 
 def refuse_copies(specs: Iterable[str], folder: Path) -> None:
-    """Make sure that no agent lies where a submission is written.
-
-    Raises:
-        InputError: one does.
-    """
+    """Make sure that no agent lies where a submission is written."""
     for spec in specs:
         if not is_named(spec) and _real(spec).is_relative_to(_real(folder / AGENTS)):
             raise InputError(f"{spec} lies in the output's own {AGENTS}, which is written anew: name another output")
 
 
 def refuse_answers(specs: Iterable[str]) -> None:
-    """Make sure that recorded actions are one sequence for all patients.
-
-    Raises:
-        InputError: there is one for each patient, which is a list of answers and no agent.
-    """
+    """Make sure that recorded actions are one sequence for all patients."""
     for spec in specs:
         if Path(spec).suffix == ".npz" and (number := Replay.load(Path(spec)).number) > 1:
             raise InputError(
@@ -289,11 +247,7 @@ def refuse_answers(specs: Iterable[str]) -> None:
 
 
 def fingerprint_of(spec: str) -> str | None:
-    """SHA-256 of the names and contents of an agent's files; None if it has none.
-
-    Raises:
-        InputError: a file cannot be read.
-    """
+    """SHA-256 of the names and contents of an agent's files; None if it has none."""
     files = registry.files_of(spec)
     if not files:
         return None

@@ -24,37 +24,22 @@ PATIENTS_IN_A_PART = 50
 
 @dataclass(frozen=True)
 class Task:
-    """One task: patients, settings and the precision asked of an agent.
+    """One task: patients, settings and the precision asked of an agent."""
 
-    Attributes:
-        id: its name.
-        description: the task in a sentence.
-        env: id of the environment.
-        cohort: name of the population.
-        knowledge: `exact` or `imaged`, the filter's knowledge of anatomy and device.
-        first_seed: of the first patient; patient i has ``first_seed + i``.
-        within: largest relative error of every parameter, 0.05 is 5 %.
-        device: fields of the device with other values, which the filter knows.
-        control: of agents that have no other.
-        episode_s: length of every episode.
-        patients: how many.
-        asked: the muscles that have to be found, as the environment's argument; None for all.
-        comfort_limit_s: discomfort of an episode above which the patient counts as not found.
-    """
-
-    id: str
-    description: str
-    env: str
-    cohort: str
-    knowledge: str
-    first_seed: int
-    within: float
+    id: str  # its name
+    description: str  # the task in a sentence
+    env: str  # id of the environment
+    cohort: str  # name of the population
+    knowledge: str  # `exact` or `imaged`, the filter's knowledge of anatomy and device
+    first_seed: int  # of the first patient; patient i has ``first_seed + i``
+    within: float  # largest relative error of every parameter, 0.05 is 5 %
     device: Mapping[str, float] = field(default_factory=dict)
-    control: str = "targets"
-    episode_s: float = 30.0
-    patients: int = 100
-    asked: str | None = None
-    comfort_limit_s: float = math.inf
+    """Fields of the device with other values, which the filter knows."""
+    control: str = "targets"  # of agents that have no other
+    episode_s: float = 30.0  # length of every episode
+    patients: int = 100  # how many
+    asked: str | None = None  # the muscles that have to be found, as the environment's argument; None for all
+    comfort_limit_s: float = math.inf  # discomfort of an episode above which the patient counts as not found
 
     @property
     def seeds(self) -> range:
@@ -167,11 +152,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
 
 
 def tasks_named(names: Iterable[str] | None = None) -> tuple[Task, ...]:
-    """Tasks by their ids, in the order of `TASKS`; all by default.
-
-    Raises:
-        InputError: there is no such task.
-    """
+    """Tasks by their ids, in the order of `TASKS`; all by default."""
     ids = list(TASKS if names is None else names)
     for name in ids:
         if name not in TASKS:

@@ -27,10 +27,6 @@ def cells_of(
         times: s, growing, at which beliefs are judged.
         settings: patients, environment and effects; its ``episode_s`` is the last of the times.
         trust: whether stable-baselines3 checkpoints may be unpickled.
-
-    Raises:
-        InputError: no or an unknown maneuver, an unknown filter, or times that are not growing numbers above 0, each of
-            a control step.
     """
     growing = all(earlier < later for earlier, later in zip((0.0, *times), times, strict=False))
     if not times or not growing or not math.isfinite(times[-1]):

@@ -40,11 +40,7 @@ def live_command(
 
 
 def _agents(entries: list[str], world: Configuration, trust: bool) -> dict[str, Agent]:
-    """Agents by their labels.
-
-    Raises:
-        InputError: an entry is not found, plans with copies of the worlds, or is of another control mode.
-    """
+    """Agents by their labels."""
     from eval.kept.entries import load_entries
 
     agents: dict[str, Agent] = {}

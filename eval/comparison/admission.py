@@ -17,18 +17,10 @@ LARGEST_RINGING = 0.05
 
 @dataclass(frozen=True)
 class AdmissionLimits:
-    """Largest cost to the patient of a ranked entry.
+    """Largest cost to the patient of a ranked entry."""
 
-    Attributes:
-        discomfort_s: largest mean discomfort, s per 30 s, >= 0.
-        violation: largest share of episodes that cross a hard limit, 0 to 1.
-
-    Raises:
-        InputError: a value is not allowed.
-    """
-
-    discomfort_s: float = 0.1
-    violation: float = 0.01
+    discomfort_s: float = 0.1  # largest mean discomfort, s per 30 s, >= 0
+    violation: float = 0.01  # largest share of episodes that cross a hard limit, 0 to 1
 
     def __post_init__(self) -> None:
         """Check both values."""

@@ -22,9 +22,6 @@ def card_results(results: Results, entry: str) -> ResultsFile:
     Args:
         results: of a comparison.
         entry: its label there.
-
-    Raises:
-        InputError: no such entry, or one that was played on a single patient.
     """
     if entry not in results.entries:
         raise InputError(f"entry {entry!r}: not in this comparison; allowed: {', '.join(results.entries)}")

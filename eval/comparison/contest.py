@@ -50,19 +50,12 @@ HEAD = (
 
 @dataclass(frozen=True)
 class Contestant:
-    """One row; see ``NOTE``.
+    """One row; see ``NOTE``."""
 
-    Attributes:
-        name: label of the entry, or the common beginning of those of its seeds.
-        seeds: how many trainings.
-        figures: those of ``HEAD`` behind the seeds, but for the costs.
-        about: metadata of the entry, of several seeds that of the first.
-    """
-
-    name: str
-    seeds: int
-    figures: tuple[Interval, ...]
-    about: Mapping[str, Any]
+    name: str  # label of the entry, or the common beginning of those of its seeds
+    seeds: int  # how many trainings
+    figures: tuple[Interval, ...]  # those of ``HEAD`` behind the seeds, but for the costs
+    about: Mapping[str, Any]  # metadata of the entry, of several seeds that of the first
 
 
 def contestants(study: Results, admission: AdmissionLimits | None = None) -> tuple[Contestant, ...]:
@@ -71,9 +64,6 @@ def contestants(study: Results, admission: AdmissionLimits | None = None) -> tup
     Args:
         study: a comparison.
         admission: limits of comfort; the defaults of ``AdmissionLimits`` without one.
-
-    Raises:
-        InputError: it has no maneuver within comfort, or no clairvoyant.
     """
     allowed = admission or AdmissionLimits()
     entries = {entry["label"]: entry for entry in study.about["entries"]}

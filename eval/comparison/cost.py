@@ -21,15 +21,11 @@ UNKNOWN = float("nan")
 
 
 class Cost(NamedTuple):
-    """The cost of one entry.
+    """The cost of one entry."""
 
-    Attributes:
-        trained_steps: steps of the environment or of its twin; NaN for what is not trained.
-        decision_ms: median time of one decision for one patient, of a planner that of one plan; NaN if not timed.
-    """
-
-    trained_steps: float = UNKNOWN
+    trained_steps: float = UNKNOWN  # steps of the environment or of its twin; NaN for what is not trained
     decision_ms: float = UNKNOWN
+    """Median time of one decision for one patient, of a planner that of one plan; NaN if not timed."""
 
 
 def cost(about: Mapping[str, Any], settings: Mapping[str, Any]) -> Cost:

@@ -44,9 +44,6 @@ def cells_of(specs: Sequence[str], settings: Settings, contrasts: int, *, trust:
         settings: patients and environment; the filter must know all but the patient.
         contrasts: of each record; 0 leaves the contrastive bounds out.
         trust: whether stable-baselines3 checkpoints may be unpickled.
-
-    Raises:
-        InputError: no or an unknown entry, or a number below 0.
     """
     if not specs:
         raise InputError("nothing to play: name a maneuver, a file, a training run or a policy")

@@ -38,9 +38,6 @@ def play_patient(
         seed: of the patient; the first by default.
         trust: see ``load_entries``.
         own_modules: whether entries that are modules may be run, since the user has named them.
-
-    Raises:
-        InputError: no patient of the comparison has that seed.
     """
     settings = Settings.from_mapping(study.about["settings"])
     seed = settings.seed if seed is None else seed

@@ -39,108 +39,61 @@ _TIME_TO = re.compile(r"time_to_(.+)_s")
 
 @dataclass(frozen=True)
 class RankingRow:
-    """One entry; means over the patients unless said otherwise, sd of natural logs, information in nats.
+    """One entry; means over the patients unless said otherwise, sd of natural logs, information in nats."""
 
-    Attributes:
-        entry: its label.
-        trained: whether it comes from a training run.
-        own: whether it does not come with the project, and is no replay of another entry.
-        control: its control mode.
-        note: in which settings it differs from those asked for.
-        description: its own, in a sentence.
-        excluded: why it is not ranked; empty if it is.
-        false_sd: why its sds cannot be believed; empty if they can.
-        does_not_fit: why nothing counts as known, where the alarm rings too often; else empty.
-        information_true: by the log score.
-        information_claimed: by the covariance.
-        information_bound: by the posterior Cramer-Rao bound.
-        honesty_gap: claimed minus true.
-        difference: true information minus the reference's, patient by patient; None for the reference itself.
-        worst_sd_median: median over the patients of the worst sd of all parameters.
-        worst_sd_p90: its 90 % quantile.
-        worst_sd_max: its maximum.
-        identified: number of parameters known.
-        rmse_over_bound: error as a multiple of the bound.
-        nees: the number of parameters if calibrated.
-        nees_prior: the same of the prior, before anything was measured.
-        inside: sigmas -> share of the truths within so many claimed standard deviations.
-        share_to: target of the worst sd -> share of the patients that reach it.
-        time_to: target -> median time, s, those who never reach it counted as infinitely late.
-        time_to_p90: target -> its 90 % quantile.
-        discomfort_s: integral of the cost.
-        discomfort_rate: the same, s per 30 s, of all episodes together.
-        above_limit: share of the episodes with more discomfort than is admitted on average.
-        largest_fraction: largest used fraction of a soft limit in any patient.
-        violated: share of the episodes in which a hard limit was crossed.
-        rings: share of the episodes in which the alarm rings.
-        governor: share of the time in which the governor acted.
-        fibrosed: diagnosis of raised F_o.
-        blocked: diagnosis of raised b.
-    """
-
-    entry: str
-    trained: bool
-    own: bool
-    control: str
-    note: str
-    description: str
-    excluded: str
-    false_sd: str
-    does_not_fit: str
-    information_true: Interval
-    information_claimed: Interval
-    information_bound: Interval
-    honesty_gap: Interval
+    entry: str  # its label
+    trained: bool  # whether it comes from a training run
+    own: bool  # whether it does not come with the project, and is no replay of another entry
+    control: str  # its control mode
+    note: str  # in which settings it differs from those asked for
+    description: str  # its own, in a sentence
+    excluded: str  # why it is not ranked; empty if it is
+    false_sd: str  # why its sds cannot be believed; empty if they can
+    does_not_fit: str  # why nothing counts as known, where the alarm rings too often; else empty
+    information_true: Interval  # by the log score
+    information_claimed: Interval  # by the covariance
+    information_bound: Interval  # by the posterior Cramer-Rao bound
+    honesty_gap: Interval  # claimed minus true
     difference: Interval | None
-    worst_sd_median: Interval
-    worst_sd_p90: Interval
-    worst_sd_max: float
-    identified: Interval
-    rmse_over_bound: Interval
-    nees: Interval
-    nees_prior: float
-    inside: dict[int, Interval]
-    share_to: dict[float, Interval]
-    time_to: dict[float, Interval]
-    time_to_p90: dict[float, Interval]
-    discomfort_s: Interval
-    discomfort_rate: float
-    above_limit: Interval
-    largest_fraction: float
-    violated: Interval
-    rings: Interval
-    governor: Interval
-    fibrosed: Diagnosis
-    blocked: Diagnosis
+    """True information minus the reference's, patient by patient; None for the reference itself."""
+    worst_sd_median: Interval  # median over the patients of the worst sd of all parameters
+    worst_sd_p90: Interval  # its 90 % quantile
+    worst_sd_max: float  # its maximum
+    identified: Interval  # number of parameters known
+    rmse_over_bound: Interval  # error as a multiple of the bound
+    nees: Interval  # the number of parameters if calibrated
+    nees_prior: float  # the same of the prior, before anything was measured
+    inside: dict[int, Interval]  # sigmas -> share of the truths within so many claimed standard deviations
+    share_to: dict[float, Interval]  # target of the worst sd -> share of the patients that reach it
+    time_to: dict[float, Interval]  # target -> median time, s, those who never reach it counted as infinitely late
+    time_to_p90: dict[float, Interval]  # target -> its 90 % quantile
+    discomfort_s: Interval  # integral of the cost
+    discomfort_rate: float  # the same, s per 30 s, of all episodes together
+    above_limit: Interval  # share of the episodes with more discomfort than is admitted on average
+    largest_fraction: float  # largest used fraction of a soft limit in any patient
+    violated: Interval  # share of the episodes in which a hard limit was crossed
+    rings: Interval  # share of the episodes in which the alarm rings
+    governor: Interval  # share of the time in which the governor acted
+    fibrosed: Diagnosis  # diagnosis of raised F_o
+    blocked: Diagnosis  # diagnosis of raised b
 
 
 @dataclass(frozen=True)
 class Ranking:
-    """The entries of a study: the ranked ones, best first, then the others.
+    """The entries of a study: the ranked ones, best first, then the others."""
 
-    Attributes:
-        rows: ranked, then the others in the same order among themselves.
-        env: id of the environment that all were played in.
-        parameters: names of the parameters to identify.
-        reference: the entry that differences are taken against.
-        patients: how many.
-        admission: limits of comfort.
-        effects: fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know.
-        estimator: mechanics that the filter believes in, if not the environment's own; else empty.
-        asked: the muscles that are asked for, as the environment's argument; empty for all.
-        band: in which 95 % of calibrated studies of this size have the mean NEES of all their entries (Bonferroni).
-    """
-
-    rows: tuple[RankingRow, ...]
-    env: str
-    parameters: tuple[str, ...]
-    reference: str
-    patients: int
-    admission: AdmissionLimits
+    rows: tuple[RankingRow, ...]  # ranked, then the others in the same order among themselves
+    env: str  # id of the environment that all were played in
+    parameters: tuple[str, ...]  # names of the parameters to identify
+    reference: str  # the entry that differences are taken against
+    patients: int  # how many
+    admission: AdmissionLimits  # limits of comfort
     effects: dict[str, float]
-    estimator: str
+    """Fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know."""
+    estimator: str  # mechanics that the filter believes in, if not the environment's own; else empty
     band: tuple[float, float]
-    asked: str = ""
+    """In which 95 % of calibrated studies of this size have the mean NEES of all their entries (Bonferroni)."""
+    asked: str = ""  # the muscles that are asked for, as the environment's argument; empty for all
 
     @property
     def ranked(self) -> tuple[RankingRow, ...]:
@@ -202,9 +155,6 @@ def rank(study: Results, reference: str | None = None, admission: AdmissionLimit
         study: results of all entries on the same patients.
         reference: label of the entry that the others are compared with; the best by default.
         admission: limits of comfort; the defaults of ``AdmissionLimits`` without one.
-
-    Raises:
-        InputError: no entry has the label `reference`.
     """
     if reference is not None and reference not in study.entries:
         raise InputError(f"reference is {reference!r}; allowed: {', '.join(study.entries)}")

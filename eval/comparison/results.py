@@ -34,19 +34,13 @@ PATIENTS, CURVES = "patients.parquet", "curves.parquet"
 
 @dataclass(frozen=True)
 class Results:
-    """Tables of a comparison with their metadata.
+    """Tables of a comparison with their metadata."""
 
-    Attributes:
-        patients: one row per patient and entry.
-        curves: one row per entry, time and quantity.
-        about: command, versions, seed, settings and entries.
-        motions: how entries move a patient, see `eval.comparison.motion`; may lack some, or all.
-    """
-
-    patients: pd.DataFrame
-    curves: pd.DataFrame
-    about: dict[str, Any]
+    patients: pd.DataFrame  # one row per patient and entry
+    curves: pd.DataFrame  # one row per entry, time and quantity
+    about: dict[str, Any]  # command, versions, seed, settings and entries
     motions: dict[str, Any] = field(default_factory=dict)
+    """How entries move a patient, see `eval.comparison.motion`; may lack some, or all."""
 
     @classmethod
     def of_rows(cls, rows: pd.DataFrame, metadata: dict[str, Any]) -> Results:
@@ -103,10 +97,6 @@ def compare(
 
     Returns:
         The tables of the comparison, as saved.
-
-    Raises:
-        InputError: no entry, or one of another environment than the settings'; the output folder cannot be used or
-            another process uses it, or a kept file is damaged.
     """
     if not entries:
         raise InputError("nothing to compare: name a maneuver or a training run, or use --all-maneuvers")
@@ -144,9 +134,6 @@ def load(folder: Path) -> Results:
 
     Args:
         folder: of the comparison.
-
-    Raises:
-        InputError: a file is missing, damaged, or not a table of this program.
     """
     remedy = "repeat the comparison: what is finished is kept"
     patients, metadata = read_table(folder / PATIENTS, ("entry", "patient", *PATIENT_METRICS), remedy)

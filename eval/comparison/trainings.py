@@ -34,17 +34,11 @@ def _same(values: Array) -> Array:
 
 
 class Figure(NamedTuple):
-    """A figure to take differences of.
+    """A figure to take differences of."""
 
-    Attributes:
-        title: title of the difference.
-        value: transform of a patient's figure before the difference.
-        digits: decimals.
-    """
-
-    title: str
-    value: Callable[[Array], Array]
-    digits: int
+    title: str  # title of the difference
+    value: Callable[[Array], Array]  # transform of a patient's figure before the difference
+    digits: int  # decimals
 
 
 FIGURES: MappingProxyType[str, Figure] = MappingProxyType(
@@ -63,19 +57,12 @@ FIGURES: MappingProxyType[str, Figure] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Gain:
-    """A policy, or all seeds of its training, against another entry on the same patients and noise.
+    """A policy, or all seeds of its training, against another entry on the same patients and noise."""
 
-    Attributes:
-        name: label of the entry, or common beginning of the labels of its seeds.
-        against: label of the reference, or ``its replay`` and ``its yoked replay``.
-        seeds: how many trainings.
-        figures: of each of `FIGURES` the mean difference over seeds and patients.
-    """
-
-    name: str
-    against: str
-    seeds: int
-    figures: dict[str, Interval]
+    name: str  # label of the entry, or common beginning of the labels of its seeds
+    against: str  # label of the reference, or ``its replay`` and ``its yoked replay``
+    seeds: int  # how many trainings
+    figures: dict[str, Interval]  # of each of `FIGURES` the mean difference over seeds and patients
 
 
 def gains(study: Results, reference: str | None) -> tuple[Gain, ...]:
@@ -139,20 +126,15 @@ def _of(study: Results, name: str, group: list[str], others: list[str], against:
 
 @dataclass(frozen=True)
 class Adaptation:
-    """An entry against its replay on the same patients and noise.
+    """An entry against its replay on the same patients and noise."""
 
-    Attributes:
-        entry: label of the entry.
-        replay: label of its replay.
-        early: mean difference of the natural log of the worst sd after ``EARLY_S``, below 0 where the entry is better;
-            NaN in shorter episodes.
-        end: the same at the end.
-    """
-
-    entry: str
-    replay: str
+    entry: str  # label of the entry
+    replay: str  # label of its replay
     early: Interval
-    end: Interval
+    """Mean difference of the natural log of the worst sd after ``EARLY_S``, below 0 where the entry is better; NaN
+    in shorter episodes.
+    """
+    end: Interval  # the same at the end
 
     def verdict(self, difference: Interval) -> str:
         """`adapts` where the whole interval is below 0, `does worse` where it is above, else `not shown`."""

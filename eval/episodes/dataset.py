@@ -65,9 +65,6 @@ def write_all(
 
     Returns:
         Names of the data sets.
-
-    Raises:
-        InputError: a planner, an entry that cannot be loaded, or a data set that is there already.
     """
     with needs("python -m eval dataset", "minari", group="dataset"):
         import minari

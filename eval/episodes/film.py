@@ -34,30 +34,17 @@ _OVER = object()
 
 @dataclass(frozen=True)
 class Film:
-    """One player of a film.
+    """One player of a film."""
 
-    Attributes:
-        entry: who plays, and in which environment.
-        seed: of patient and noise.
-        patient: file of a patient; one is drawn from the cohort by default.
-        start_s: where the film begins, s.
-        width: of its pictures, pixels; a multiple of 32.
-        every: of the control steps one is shown.
-    """
-
-    entry: Entry = field(repr=False)
-    seed: int = 0
-    patient: Path | None = None
-    start_s: float = 0.0
-    width: int = FULL_WIDTH
-    every: int = 1
+    entry: Entry = field(repr=False)  # who plays, and in which environment
+    seed: int = 0  # of patient and noise
+    patient: Path | None = None  # file of a patient; one is drawn from the cohort by default
+    start_s: float = 0.0  # where the film begins, s
+    width: int = FULL_WIDTH  # of its pictures, pixels; a multiple of 32
+    every: int = 1  # of the control steps one is shown
 
     def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            InputError: one is out of range.
-        """
+        """Check the numbers."""
         if not 320 <= self.width <= FULL_WIDTH or self.width % 32:
             raise InputError(f"width is {self.width}; allowed: a multiple of 32, 320 to {FULL_WIDTH}")
         if self.every < 1:
@@ -130,9 +117,6 @@ def show(film: Film, console: Console) -> str:
 
     Returns:
         Result of the episode in a sentence.
-
-    Raises:
-        InputError: there is no display, or the environment or the patient is refused.
     """
     episode = Episode(film, "human", console)
     for _ in episode.steps():
@@ -150,10 +134,6 @@ def write(films: Sequence[Film], path: Path, console: Console) -> str:
 
     Returns:
         Results of the episodes, a sentence each.
-
-    Raises:
-        InputError: another ending, a folder that cannot be written to, a file in use, two that do not take equally long
-            steps, or an error of the environment.
     """
     if path.suffix not in FORMATS:
         raise InputError(f"video is {path}; allowed: a file that ends in {' or '.join(FORMATS)}")

@@ -26,9 +26,6 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
         settings: how many patients, and from which seed on.
         path: of the file, which ends in .yaml.
         console: where progress is shown; nowhere by default.
-
-    Raises:
-        InputError: an entry that does not, or a file that cannot be written or that another process writes.
     """
     if path.suffix != ".yaml":
         raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
@@ -63,10 +60,6 @@ def add_replays(
         folder: where the maneuver files are kept, and found again when nothing that decides them has changed.
         fresh: compute every replay again.
         console: where progress is shown; nowhere by default.
-
-    Raises:
-        InputError: no entry is trained or planned, one does not say where the jaw shall be, or the comparison is on
-            the patients of the replays.
     """
     averaged = replace(settings, seed=REPLAYS.start)
     if settings.seed + settings.patients > REPLAYS.start and settings.seed < REPLAYS.start + settings.patients:

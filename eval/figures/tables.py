@@ -35,21 +35,13 @@ class Marked(str):
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of written figures below their headings.
+    """Rows of written figures below their headings."""
 
-    Attributes:
-        head: a heading for each column.
-        rows: a text for each column.
-        texts: places of the columns that hold no figures.
-        note: remark below the table; empty for none.
-        title: above it in the terminal.
-    """
-
-    head: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    texts: Collection[int] = (0,)
-    note: str = ""
-    title: str = ""
+    head: Sequence[str]  # a heading for each column
+    rows: Sequence[Sequence[str]]  # a text for each column
+    texts: Collection[int] = (0,)  # places of the columns that hold no figures
+    note: str = ""  # remark below the table; empty for none
+    title: str = ""  # above it in the terminal
 
     def markdown(self) -> str:
         """The table, and below it the note; texts in cells stay texts, unless they are `Marked`."""

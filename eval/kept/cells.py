@@ -32,14 +32,10 @@ class Rows(ABC):
     """A family of columns: how patients are played, and the rows that are kept of them.
 
     Fields of subclasses and the sources of their module enter the digest of kept parts.
-
-    Attributes:
-        columns: those that kept rows must have.
-        made_by: other modules that decide the rows.
     """
 
-    columns: ClassVar[tuple[str, ...]] = ("seed",)
-    made_by: ClassVar[tuple[ModuleType, ...]] = ()
+    columns: ClassVar[tuple[str, ...]] = ("seed",)  # those that kept rows must have
+    made_by: ClassVar[tuple[ModuleType, ...]] = ()  # other modules that decide the rows
 
     @abstractmethod
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
@@ -55,21 +51,13 @@ class Rows(ABC):
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry in one world.
+    """One entry in one world."""
 
-    Attributes:
-        levels: columns that distinguish its rows from other cells', numbers among them in Hz.
-        load: makes the entry; a function that processes can be sent.
-        seeds: of the patients.
-        rows: columns of a patient's row.
-        size: patients that are played together.
-    """
-
-    levels: Mapping[str, str | float]
-    load: Callable[[], Entry]
-    seeds: range
-    rows: Rows
-    size: int
+    levels: Mapping[str, str | float]  # columns that distinguish its rows from other cells', numbers among them in Hz
+    load: Callable[[], Entry]  # makes the entry; a function that processes can be sent
+    seeds: range  # of the patients
+    rows: Rows  # columns of a patient's row
+    size: int  # patients that are played together
 
     @property
     def name(self) -> str:
@@ -77,11 +65,7 @@ class Cell:
         return " · ".join(f"{level:g} Hz" if isinstance(level, float) else level for level in self.levels.values())
 
     def parts(self, folder: Path) -> list[Part]:
-        """The parts in which it is played, each kept as a table in the folder.
-
-        Raises:
-            InputError: a file of the agent cannot be read.
-        """
+        """The parts in which it is played, each kept as a table in the folder."""
         entry = self.load()
         decided_by = {"rows": asdict(self.rows), "cohort": entry.world.build_cohort().to_dict()}
         made = fingerprint(entry, decided_by, sys.modules[type(self.rows).__module__], *self.rows.made_by)
@@ -99,10 +83,6 @@ def play_cells(cells: Sequence[Cell], output: Path, run: Run | None = None, unit
 
     Returns:
         The rows of all cells, in their order, each with the levels of its cell as its first columns.
-
-    Raises:
-        InputError: an entry that cannot be played, an output folder that cannot be used, or a kept file that is
-            damaged.
     """
     folder = folder_for(output, FOLDER)
     return play_parts([(cell, part) for cell in cells for part in cell.parts(folder)], run, unit)
@@ -113,9 +93,6 @@ def play_parts(parts: Sequence[tuple[Cell, Part]], run: Run | None = None, unit:
 
     Returns:
         As `play_cells`.
-
-    Raises:
-        InputError: a kept file is damaged, or another process is at work in the folder.
     """
     cells = {part.key: cell for cell, part in parts}
     needed = {path: cell.rows.columns for cell, part in parts for _, path in part.files}

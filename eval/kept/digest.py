@@ -44,9 +44,6 @@ def digest(decided_by: Any, files: Iterable[Path] = (), made_by: Iterable[Module
         decided_by: values that JSON can hold.
         files: read for it.
         made_by: further modules with an effect on the result; of a package all of its files count.
-
-    Raises:
-        InputError: a file cannot be read.
     """
     content = hashlib.sha256(json.dumps([decided_by, package_versions()], sort_keys=True).encode())
     for module in (jawenv, agents, *made_by):
@@ -66,9 +63,6 @@ def fingerprint(entry: Entry, settings: Any, *made_by: ModuleType) -> str:
         entry: player of the kept results.
         settings: patients, settings, and anything else that decides the content.
         made_by: see `digest`.
-
-    Raises:
-        InputError: a file cannot be read, or ``made_of`` is no list of paths.
     """
     texts = [value for value in entry.env_kwargs.values() if isinstance(value, str)]
     named = [Path(text) for text in texts if Path(text).suffix.lower() in FILE_TYPES]

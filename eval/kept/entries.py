@@ -36,20 +36,11 @@ _ALIKE = {DEFAULT_ENV, KNOWN_WITHIN_SDS}
 
 @dataclass(frozen=True)
 class Settings:
-    """On whom and how maneuvers and agents are played.
+    """On whom and how maneuvers and agents are played."""
 
-    Attributes:
-        world: the environment and its arguments.
-        patients: how many, >= 1; patient i is drawn, and its noise made, by the seed `seed + i`.
-        seed: of the first patient, 0 to 2**32 - 1.
-
-    Raises:
-        InputError: a value is not allowed.
-    """
-
-    world: Configuration = Configuration()
-    patients: int = 64
-    seed: int = REPORTS[0].start
+    world: Configuration = Configuration()  # the environment and its arguments
+    patients: int = 64  # how many, >= 1; patient i is drawn, and its noise made, by the seed `seed + i`
+    seed: int = REPORTS[0].start  # of the first patient, 0 to 2**32 - 1
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -80,34 +71,20 @@ class Settings:
 
 @dataclass(frozen=True)
 class Entry:
-    """One row of a comparison.
+    """One row of a comparison."""
 
-    Attributes:
-        label: unique within the study.
-        spec: as typed: a maneuver's name, a file, the folder of a run or an exported policy, or an agent of
-            one's own.
-        world: environment and arguments.
-        note: in which settings it differs from those asked for; empty if in none.
-        trained: whether it comes from a training run.
-        planned: whether it is a planner.
-        clairvoyant: whether it plans with the patient's true parameters, and so is a yardstick.
-        replay_of: label of the entry with the replayed targets; empty if none.
-        description: a sentence on its method; empty if unknown.
-        agent: plays it.
-        agent_seed: of its own draws, see `jawenv.play`.
-    """
-
-    label: str
+    label: str  # unique within the study
     spec: str
-    world: Configuration
-    note: str
-    trained: bool
-    description: str
-    agent: Agent = field(repr=False)
-    planned: bool = False
-    clairvoyant: bool = False
-    replay_of: str = ""
-    agent_seed: int = 0
+    """As typed: a maneuver's name, a file, the folder of a run or an exported policy, or an agent of one's own."""
+    world: Configuration  # environment and arguments
+    note: str  # in which settings it differs from those asked for; empty if in none
+    trained: bool  # whether it comes from a training run
+    description: str  # a sentence on its method; empty if unknown
+    agent: Agent = field(repr=False)  # plays it
+    planned: bool = False  # whether it is a planner
+    clairvoyant: bool = False  # whether it plans with the patient's true parameters, and so is a yardstick
+    replay_of: str = ""  # label of the entry with the replayed targets; empty if none
+    agent_seed: int = 0  # of its own draws, see `jawenv.play`
 
     @property
     def env_id(self) -> str:
@@ -161,11 +138,7 @@ def maneuver_names() -> tuple[str, ...]:
 
 
 def env_of_runs(specs: Iterable[str]) -> str:
-    """Id of the environment that the first trained run of some entries was trained in; the default if there is none.
-
-    Raises:
-        InputError: a run's configuration is damaged.
-    """
+    """Id of the environment that the first trained run of some entries was trained in; the default if there is none."""
     trained_in = (world_of(spec) for spec in specs)
     return next((own.env_id for own in trained_in if own is not None), DEFAULT_ENV)
 
@@ -177,11 +150,7 @@ def fits(trained_in: Configuration, world: Configuration) -> bool:
 
 
 def can_play(spec: str, world: Configuration) -> bool:
-    """Whether a policy or a planner can be played in a world; of other agents it is not known before.
-
-    Raises:
-        InputError: a policy's card is damaged.
-    """
+    """Whether a policy or a planner can be played in a world; of other agents it is not known before."""
     if spec in PLANNERS:
         return PLANNERS[spec](control=DEFAULT_CONTROL).plays(world)
     trained_in = world_of(spec)
@@ -202,10 +171,6 @@ def load_entries(
         world: environment and arguments; the default environment by default.
         trust: whether stable-baselines3 checkpoints may be unpickled, which can run code.
         load: makes the agents, as `agents.registry.load_agent`.
-
-    Raises:
-        InputError: an unknown maneuver, a checkpoint that needs trust, a damaged file or checkpoint, or a run that was
-            trained in another environment.
     """
     entries = [load_entry(spec, world or Configuration(), trust=trust, load=load) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]

@@ -29,40 +29,26 @@ Content = TypeVar("Content")
 
 @dataclass(frozen=True)
 class Part:
-    """Some items of a piece of work, and the files of their results.
+    """Some items of a piece of work, and the files of their results."""
 
-    Attributes:
-        key: name of the piece of work.
-        first: number of the first item.
-        number: of items.
-        files: of each kind of result, by its name; one may be made without the others. Their names change with
-            everything that could change their content.
-    """
-
-    key: str
-    first: int
-    number: int
+    key: str  # name of the piece of work
+    first: int  # number of the first item
+    number: int  # of items
     files: tuple[tuple[str, Path], ...]
+    """Of each kind of result, by its name; one may be made without the others. Their names change with everything
+    that could change their content.
+    """
 
 
 @dataclass(frozen=True)
 class Run:
-    """How work is done.
+    """How work is done."""
 
-    Attributes:
-        fresh: do kept parts again.
-        workers: processes; all cores by default. 1 works in this process.
-        backend: joblib's; "ray" takes the cores of a cluster, with the folder of the files on all machines.
-        console: where progress is shown; nowhere by default.
-
-    Raises:
-        InputError: another backend.
-    """
-
-    fresh: bool = False
-    workers: int | None = None
+    fresh: bool = False  # do kept parts again
+    workers: int | None = None  # processes; all cores by default. 1 works in this process
     backend: Backend = "loky"
-    console: Console | None = None
+    """Joblib's; "ray" takes the cores of a cluster, with the folder of the files on all machines."""
+    console: Console | None = None  # where progress is shown; nowhere by default
 
     def __post_init__(self) -> None:
         """Check the backend."""
@@ -90,11 +76,7 @@ def parts_of(key: str, items: range, size: int, folder: Path, digests: Mapping[s
 
 
 def folder_for(output: Path, name: str) -> Path:
-    """The folder of finished work in an output folder, made where it is missing.
-
-    Raises:
-        InputError: it cannot be made.
-    """
+    """The folder of finished work in an output folder, made where it is missing."""
     folder = output / name
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -124,10 +106,6 @@ def finish(
 
     Returns:
         The content of each file.
-
-    Raises:
-        InputError: another process is at work in the same folder, a kept file is damaged, the package of the backend
-            is not installed, or the cluster cannot be reached.
     """
     run = run or Run()
     paths = list(dict.fromkeys(path for part in parts for _, path in part.files))

@@ -26,11 +26,7 @@ def made_with(command: str, **more: Any) -> dict[str, Any]:
 
 
 def write_table(frame: pd.DataFrame, path: Path, metadata: dict[str, Any]) -> None:
-    """Write a table with its metadata.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write a table with its metadata."""
     table = pa.Table.from_pandas(frame, preserve_index=False)
     schema_metadata = {**(table.schema.metadata or {}), _KEY: json.dumps(metadata, sort_keys=True).encode()}
     with atomic_write(path) as unfinished:
@@ -46,9 +42,6 @@ def read_table(
         path: of the file.
         columns: those that it must have.
         remedy: advice for a damaged file.
-
-    Raises:
-        InputError: the file is missing, damaged, or not a table of this program.
     """
     try:
         table = read_parquet(path)

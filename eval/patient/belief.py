@@ -35,15 +35,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PatientBelief:
-    """A normal belief about P natural-log parameters.
+    """A normal belief about P natural-log parameters."""
 
-    Attributes:
-        mean: (P,).
-        cov: (P, P) positive definite.
-    """
-
-    mean: Array
-    cov: Array
+    mean: Array  # (P,)
+    cov: Array  # (P, P) positive definite
 
     @classmethod
     def of_prior(cls, prior: Prior) -> PatientBelief:
@@ -102,20 +97,12 @@ def at_start(prior: Prior, size: int) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class KnownPatient(Cohort):
-    """The cohort of a patient, with another prior for the filter.
+    """The cohort of a patient, with another prior for the filter."""
 
-    Attributes:
-        believed: the prior.
-    """
-
-    believed: Prior
+    believed: Prior  # the prior
 
     def __post_init__(self) -> None:
-        """Put the prior in place of the cohort's own.
-
-        Raises:
-            InputError: as `Cohort`.
-        """
+        """Put the prior in place of the cohort's own."""
         super().__post_init__()
         object.__setattr__(self, "_typical", self.prior.mean)
         object.__setattr__(self, "prior", self.believed)

@@ -21,15 +21,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Change:
-    """How much each parameter has changed since the first treatment, as natural logs.
+    """How much each parameter has changed since the first treatment, as natural logs."""
 
-    Attributes:
-        mean: (P,).
-        sd: (P,).
-    """
-
-    mean: Array
-    sd: Array
+    mean: Array  # (P,)
+    sd: Array  # (P,)
 
     def of(self, parameter: int) -> tuple[float, float, float]:
         """The factor by which a parameter has changed, and the ends of its 95 % interval."""

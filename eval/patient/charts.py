@@ -34,19 +34,12 @@ _CSS = {
 
 @dataclass(frozen=True)
 class Axis:
-    """Logarithmic vertical axis, the same for all muscles.
+    """Logarithmic vertical axis, the same for all muscles."""
 
-    Attributes:
-        low: lower end, in the quantity's own unit.
-        high: upper end.
-        ticks: where numbers stand.
-        threshold: where normal ends.
-    """
-
-    low: float
-    high: float
-    ticks: tuple[float, ...]
-    threshold: float
+    low: float  # lower end, in the quantity's own unit
+    high: float  # upper end
+    ticks: tuple[float, ...]  # where numbers stand
+    threshold: float  # where normal ends
 
 
 def moments(course: Sequence[Treatment]) -> Array:

@@ -25,17 +25,11 @@ MOMENTS = 40
 
 @dataclass(frozen=True)
 class Person:
-    """Whom a course is played on.
+    """Whom a course is played on."""
 
-    Attributes:
-        name: for the page and its file.
-        seed: of the patient, the noise and the drift.
-        patient: given by a file; drawn from the cohort by default.
-    """
-
-    name: str
-    seed: int
-    patient: Patient | None = None
+    name: str  # for the page and its file
+    seed: int  # of the patient, the noise and the drift
+    patient: Patient | None = None  # given by a file; drawn from the cohort by default
 
 
 def persons(seed: int, number: int, files: Sequence[Path] = ()) -> list[Person]:
@@ -45,9 +39,6 @@ def persons(seed: int, number: int, files: Sequence[Path] = ()) -> list[Person]:
         seed: of the first one.
         number: how many are drawn where no file is given.
         files: of patients.
-
-    Raises:
-        InputError: a number is not allowed, a file is damaged, or two would write the same page.
     """
     if number < 1:
         raise InputError(f"patients is {number}; allowed: 1 or more")
@@ -83,9 +74,6 @@ def play_courses(
 
     Returns:
         The treatments of each patient, at some of their times.
-
-    Raises:
-        InputError: the folder cannot be used or is in use, a kept file is damaged, or an error of the environment.
     """
     folder, parts = folder_for(output, "treatments"), []
     for person in people:
@@ -114,20 +102,12 @@ def _play_course(part: Part, progress: Progress, entry: Entry, drift: float, peo
 
 
 def save(treatment: Treatment, path: Path) -> None:
-    """Write a treatment, wholly or not at all.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write a treatment, wholly or not at all."""
     save_arrays(path, **asdict(treatment))
 
 
 def load(path: Path) -> Treatment:
-    """Read a file of ``save``.
-
-    Raises:
-        InputError: the file is damaged.
-    """
+    """Read a file of ``save``."""
     names = tuple(field.name for field in fields(Treatment))
     try:
         held = dict(zip(names, load_arrays(path, names, "treatment"), strict=True))

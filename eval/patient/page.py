@@ -48,50 +48,29 @@ class CardQuantity:
 
 @dataclass(frozen=True)
 class Card:
-    """Texts and pictures of one muscle.
+    """Texts and pictures of one muscle."""
 
-    Attributes:
-        title: the muscle's name and side.
-        location: where it is, in plain words.
-        verdict: word of the verdict.
-        badge: CSS class of the verdict.
-        chance: the probability in words.
-        since: start of the present verdict; empty where nothing is known.
-        force: F_o.
-        stiffening: b.
-        doubling: stretch that doubles the pull, %.
-        truth: the true condition, where it is shown.
-    """
-
-    title: str
-    location: str
-    verdict: Verdict
-    badge: str
-    chance: str
-    since: str
-    force: CardQuantity
-    stiffening: CardQuantity
-    doubling: str
-    truth: str
+    title: str  # the muscle's name and side
+    location: str  # where it is, in plain words
+    verdict: Verdict  # word of the verdict
+    badge: str  # CSS class of the verdict
+    chance: str  # the probability in words
+    since: str  # start of the present verdict; empty where nothing is known
+    force: CardQuantity  # F_o
+    stiffening: CardQuantity  # b
+    doubling: str  # stretch that doubles the pull, %
+    truth: str  # the true condition, where it is shown
 
 
 @dataclass(frozen=True)
 class Subject:
-    """Whose page it is.
+    """Whose page it is."""
 
-    Attributes:
-        who: the title.
-        account: the treatments in a line.
-        notice: disclaimer.
-        prior: belief about the muscles before the first treatment.
-        effects: effects unknown to the estimate; empty for none.
-    """
-
-    who: str
-    account: str
-    notice: str
-    prior: Prior
-    effects: str = ""
+    who: str  # the title
+    account: str  # the treatments in a line
+    notice: str  # disclaimer
+    prior: Prior  # belief about the muscles before the first treatment
+    effects: str = ""  # effects unknown to the estimate; empty for none
 
     @classmethod
     def simulated(cls, entry: Entry, person: Person, plan: Course, seconds: float) -> Subject:
@@ -110,11 +89,7 @@ class Subject:
 
 
 def check_env(env_id: str) -> None:
-    """Check that an environment has the six muscles that the page draws.
-
-    Raises:
-        InputError: it has others.
-    """
+    """Check that an environment has the six muscles that the page draws."""
     model = model_of_env(env_id)
     if model.muscles.names != MUSCLE_NAMES:
         raise InputError(f"env is {env_id}; allowed: those with six closing muscles, Jaw and JawBilateral")
@@ -277,11 +252,7 @@ def _since(course: Sequence[Treatment], muscle: int, word: str) -> str:
 
 
 def write(page: str, path: Path) -> Path:
-    """Write a page, wholly or not at all.
-
-    Raises:
-        InputError: it cannot be written.
-    """
+    """Write a page, wholly or not at all."""
     return template.write(page, path)
 
 

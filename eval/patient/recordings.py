@@ -29,9 +29,6 @@ def write_page(record: Record, result: Identification, recording: Path, target: 
 
     Returns:
         The page's file.
-
-    Raises:
-        InputError: a model without the six muscles that the page draws, or a page that cannot be written.
     """
     if record.parameter_names != PARAMETER_NAMES:
         raise InputError(f"{recording}: has other muscles; allowed: the six closing ones")

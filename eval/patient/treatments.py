@@ -27,18 +27,11 @@ REDRAWS = 50
 
 @dataclass(frozen=True)
 class Course:
-    """A course of treatments.
+    """A course of treatments."""
 
-    Attributes:
-        number: of treatments, >= 1.
-        drift: sd of the normal step that each natural-log parameter makes between two treatments; 0.02 is 2 %.
-
-    Raises:
-        InputError: a value is not allowed.
-    """
-
-    number: int = 1
+    number: int = 1  # of treatments, >= 1
     drift: float = 0.0
+    """Sd of the normal step that each natural-log parameter makes between two treatments; 0.02 is 2 %."""
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -50,32 +43,22 @@ class Course:
 
 @dataclass(frozen=True)
 class Treatment:
-    """The belief during one treatment, at T times from its start to its end.
+    """The belief during one treatment, at T times from its start to its end."""
 
-    Attributes:
-        time: (T,) s since its start.
-        mean: (T, P) natural logs.
-        cov: (T, P, P).
-        truth: (P,) the patient's natural-log parameters, the same during a treatment.
-        violated: whether it ended at a hard limit of comfort.
-        misfit: the filter's alarm, the largest of the treatment.
-        information: (P + Q, P + Q) information of this treatment alone on the muscles and the patient's anatomy
-            together, see ``JointLikelihood``; empty where the anatomy is known exactly.
-        vector: (P + Q,) the same.
-        joint_mean: (P + Q,) joint belief at the end after all treatments so far; empty as well.
-        joint_cov: (P + Q, P + Q).
-    """
-
-    time: Array
-    mean: Array
-    cov: Array
-    truth: Array
-    violated: bool
-    misfit: float
+    time: Array  # (T,) s since its start
+    mean: Array  # (T, P) natural logs
+    cov: Array  # (T, P, P)
+    truth: Array  # (P,) the patient's natural-log parameters, the same during a treatment
+    violated: bool  # whether it ended at a hard limit of comfort
+    misfit: float  # the filter's alarm, the largest of the treatment
     information: Array = field(default_factory=lambda: np.empty((0, 0)))
-    vector: Array = field(default_factory=lambda: np.empty(0))
+    """(P + Q, P + Q) information of this treatment alone on the muscles and the patient's anatomy together, see
+    ``JointLikelihood``; empty where the anatomy is known exactly.
+    """
+    vector: Array = field(default_factory=lambda: np.empty(0))  # (P + Q,) the same
     joint_mean: Array = field(default_factory=lambda: np.empty(0))
-    joint_cov: Array = field(default_factory=lambda: np.empty((0, 0)))
+    """(P + Q,) joint belief at the end after all treatments so far; empty as well."""
+    joint_cov: Array = field(default_factory=lambda: np.empty((0, 0)))  # (P + Q, P + Q)
 
     @property
     def likelihood(self) -> JointLikelihood | None:
@@ -112,9 +95,6 @@ def first_treatment(entry: Entry, seed: int, patient: Patient | None = None) -> 
         entry: the maneuver or agent.
         seed: of the patient and the noise.
         patient: drawn from the entry's cohort by default, as `jawenv.play` draws it where the anatomy is known exactly.
-
-    Raises:
-        InputError: a patient who cannot be treated, or an error of the environment.
     """
     population = population_of(entry)
     if not is_shared(entry):
@@ -145,9 +125,6 @@ def next_treatment(
         drift: sd of the step.
         seed: of the patient; noise and step follow from it and the number.
         patient: source of name, anatomy and tilt of the head; a drawn one by default.
-
-    Raises:
-        InputError: the environment refuses the settings, or all patients that are drawn.
     """
     population, shared = population_of(entry), is_shared(entry)
     noise, step = np.random.SeedSequence((seed, number)).spawn(2)

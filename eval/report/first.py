@@ -22,15 +22,10 @@ LEAST_SURE = 0.1
 
 @dataclass(frozen=True)
 class Bar:
-    """A figure and how good it is.
+    """A figure and how good it is."""
 
-    Attributes:
-        text: the figure with its unit.
-        full: 0, as bad as the scale goes, to 1, the best possible.
-    """
-
-    text: str
-    full: float
+    text: str  # the figure with its unit
+    full: float  # 0, as bad as the scale goes, to 1, the best possible
 
 
 @dataclass(frozen=True)

@@ -34,23 +34,15 @@ class TargetShift:
 
 @dataclass(frozen=True)
 class Learned:
-    """A trained entry against the maneuver that it corrects.
+    """A trained entry against the maneuver that it corrects."""
 
-    Attributes:
-        entry: row of the trained entry.
-        base: row of the maneuver.
-        steps: environment steps of the training.
-        early: mean difference of the natural log of the worst sd after ``EARLY_S``; below 0 the entry is better.
-        end: the same at the end.
-        changes: of its targets, on the patient with a kept motion; none where the device follows no targets.
-    """
-
-    entry: RankingRow
-    base: RankingRow
-    steps: int
-    early: Interval
-    end: Interval
+    entry: RankingRow  # row of the trained entry
+    base: RankingRow  # row of the maneuver
+    steps: int  # environment steps of the training
+    early: Interval  # mean difference of the natural log of the worst sd after ``EARLY_S``; below 0 the entry is better
+    end: Interval  # the same at the end
     changes: tuple[TargetShift, ...]
+    """Of its targets, on the patient with a kept motion; none where the device follows no targets."""
 
     @property
     def sooner(self) -> str:

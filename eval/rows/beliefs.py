@@ -30,17 +30,12 @@ LATE = 1e-6  # s; by how much a kept time may miss the wanted one
 
 @dataclass(frozen=True)
 class Beliefs(Rows):
-    """Belief of a filter, with its nuisances where it is the environment's own and has some.
-
-    Attributes:
-        filter: name, see ``eval.rows.filters``.
-        times: s, growing, each a time of the control steps.
-    """
+    """Belief of a filter, with its nuisances where it is the environment's own and has some."""
 
     columns = ("time_s", "seed", "outcome")
     made_by = (filters, nuisances)
-    filter: str
-    times: tuple[float, ...]
+    filter: str  # name, see ``eval.rows.filters``
+    times: tuple[float, ...]  # s, growing, each a time of the control steps
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""
@@ -63,9 +58,6 @@ def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) 
         name: of the filter, see ``eval.rows.filters``.
         times: s, growing, each a time of the recording's control steps.
         seed: of the first patient.
-
-    Raises:
-        InputError: a time that is not one of the control steps'.
     """
     rows = []
     for world in range(recording.num_worlds):
@@ -135,11 +127,7 @@ def _energy_score(error: Array, cov: Array) -> float:
 
 
 def index_of(times: Array, time: float) -> int:
-    """Number of the kept time that is meant.
-
-    Raises:
-        InputError: there is none; the message names the spacing.
-    """
+    """Number of the kept time that is meant."""
     index = int(np.abs(times - time).argmin())
     if abs(float(times[index]) - time) > LATE:
         raise InputError(f"times is {time:g}; allowed: multiples of the control step, {float(times[1]):g} s")

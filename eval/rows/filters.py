@@ -34,11 +34,7 @@ OTHERS: Mapping[str, Make] = MappingProxyType(
 
 
 def filters_named(names: Sequence[str]) -> tuple[str, ...]:
-    """The same names, each once.
-
-    Raises:
-        InputError: none, or an unknown one; the message lists the known ones.
-    """
+    """The same names, each once."""
     allowed = (TENSION, *OTHERS)
     for name in names or ("",):
         if name not in allowed:

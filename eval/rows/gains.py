@@ -26,14 +26,10 @@ def law_of(world: Configuration) -> PatientLaw:
 
 @dataclass(frozen=True)
 class Gains(Rows):
-    """Bounds on the information gain of each record.
-
-    Attributes:
-        contrasts: of each record, drawn by its patient's seed; 0 leaves the contrastive bounds out.
-    """
+    """Bounds on the information gain of each record."""
 
     columns = COLUMNS
-    contrasts: int
+    contrasts: int  # of each record, drawn by its patient's seed; 0 leaves the contrastive bounds out
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""

@@ -50,16 +50,11 @@ _MEANS = ("nees", "information_claimed", "information_true")
 
 @dataclass(frozen=True)
 class Outcomes(Rows):
-    """Outcomes of episodes.
-
-    Attributes:
-        bound: whether the posterior Cramer-Rao bound is computed.
-        over_time: whether the columns with a value for each time are kept, some 13 kB a patient.
-    """
+    """Outcomes of episodes."""
 
     columns = ("seed", *PATIENT_METRICS)
-    bound: bool = True
-    over_time: bool = True
+    bound: bool = True  # whether the posterior Cramer-Rao bound is computed
+    over_time: bool = True  # whether the columns with a value for each time are kept, some 13 kB a patient
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""

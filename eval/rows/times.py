@@ -38,9 +38,6 @@ def within_for_good(recording: Recording, within: float) -> Array:
     Returns:
         (N,) in s; infinite where it never happens, and where the episode ends early: a hard limit was crossed, or the
         filter diverged.
-
-    Raises:
-        InputError: `within` is not positive.
     """
     if not within > 0.0:
         raise InputError(f"within is {within}; allowed: a share above 0")
@@ -66,19 +63,13 @@ def restricted(time: Array, episode_s: float) -> Array:
 
 @dataclass(frozen=True)
 class Times(Rows):
-    """When the truth is found.
-
-    Attributes:
-        within: largest relative error that the task allows.
-        episode_s: length of its episodes.
-        comfort_limit_s: discomfort of an episode above which nothing counts as found.
-    """
+    """When the truth is found."""
 
     columns = COLUMNS
     made_by: ClassVar[tuple[ModuleType, ...]] = (outcomes,)
-    within: float
-    episode_s: float
-    comfort_limit_s: float = np.inf
+    within: float  # largest relative error that the task allows
+    episode_s: float  # length of its episodes
+    comfort_limit_s: float = np.inf  # discomfort of an episode above which nothing counts as found
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""

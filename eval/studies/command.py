@@ -37,9 +37,6 @@ def study(
         command: how all this was given, for the results.
         console: where the table is shown.
         trust: whether stable-baselines3 checkpoints may be unpickled.
-
-    Raises:
-        InputError: a study that does not exist or does not fit, or files that cannot be read or written.
     """
     name, plan = design.read(source)
     if patients is not None:

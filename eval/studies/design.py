@@ -35,35 +35,23 @@ def _different(values: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 class Choice(InputModel):
-    """A maneuver or agent.
+    """A maneuver or agent."""
 
-    Attributes:
-        agent: as ``python -m eval compare`` takes it.
-        controls: control modes that it is played in; all of the study's by default.
-        cohorts: that it is played on; all of the study's by default.
-        patients: on how many it is played, the first ones; all by default.
-    """
-
-    agent: str
-    controls: tuple[Control, ...] | None = None
-    cohorts: tuple[str, ...] | None = None
+    agent: str  # as ``python -m eval compare`` takes it
+    controls: tuple[Control, ...] | None = None  # control modes that it is played in; all of the study's by default
+    cohorts: tuple[str, ...] | None = None  # that it is played on; all of the study's by default
     patients: int | None = Field(default=None, ge=1, le=MOST_PATIENTS)
+    """On how many it is played, the first ones; all by default."""
 
 
 class EnvironmentChoice(InputModel):
-    """An environment, and the mechanics of its filter.
+    """An environment, and the mechanics of its filter."""
 
-    Attributes:
-        env: its id, or as `jawenv.ladder.model_of_env` takes it.
-        estimator: mechanics that the filter believes in; the environment's own by default.
-        knowledge: what the filter knows exactly; the environment's own level by default.
-        controls: control modes that it is played in; all of the study's by default.
-    """
-
-    env: str
-    estimator: Estimator | None = None
+    env: str  # its id, or as `jawenv.ladder.model_of_env` takes it
+    estimator: Estimator | None = None  # mechanics that the filter believes in; the environment's own by default
     knowledge: Literal["exact", "imaged"] | None = None
-    controls: tuple[Control, ...] | None = None
+    """What the filter knows exactly; the environment's own level by default."""
+    controls: tuple[Control, ...] | None = None  # control modes that it is played in; all of the study's by default
 
     @field_validator("env")
     @classmethod
@@ -78,23 +66,14 @@ class EnvironmentChoice(InputModel):
 
 
 class Side(InputModel):
-    """One side of a pair by its own levels; in all others it equals the other side.
+    """One side of a pair by its own levels; in all others it equals the other side."""
 
-    Attributes:
-        entry: label of a maneuver or agent.
-        control: control mode.
-        sensors: sensors.
-        force_sensor: how the device knows its force.
-        reality: name of the effects.
-        control_hz: control steps per second.
-    """
-
-    entry: str | None = None
-    control: Control | None = None
-    sensors: Sensors | None = None
-    force_sensor: ForceSensor | None = None
-    reality: str | None = None
-    control_hz: Number | None = None
+    entry: str | None = None  # label of a maneuver or agent
+    control: Control | None = None  # control mode
+    sensors: Sensors | None = None  # sensors
+    force_sensor: ForceSensor | None = None  # how the device knows its force
+    reality: str | None = None  # name of the effects
+    control_hz: Number | None = None  # control steps per second
 
     @property
     def given(self) -> dict[str, Any]:
@@ -113,46 +92,27 @@ Pair = tuple[Annotated[Side, _named("entry")], Annotated[Side, _named("entry")]]
 
 
 class Design(InputModel):
-    """A study: everything in `entries` is played under every combination of the settings, on the same patients.
+    """A study: everything in `entries` is played under every combination of the settings, on the same patients."""
 
-    Attributes:
-        title: the question.
-        description: a paragraph for readers.
-        entries: maneuvers and agents.
-        environments: models of the jaw.
-        cohorts: names or files of cohorts.
-        controls: control modes.
-        sensors: `pose` or `point`.
-        force_sensors: `cell`, `motors` or `straps`.
-        reality: by a name of one's own, effects that the filter does not know; none by default.
-        control_hz: control steps per second; the default rate of each control by default.
-        patients: how many; patient i is drawn, and its noise made, by the seed `seed + i`.
-        seed: of the first patient.
-        episode_s: length of every episode, s.
-        metrics: names of `eval.studies.metrics.METRICS`.
-        pairs: comparisons patient by patient.
-
-    Raises:
-        InputError: a field has a value that is not allowed.
-    """
-
-    title: str
-    description: str = ""
-    entries: tuple[Annotated[Choice, _named("agent")], ...] = Field(min_length=1)
+    title: str  # the question
+    description: str = ""  # a paragraph for readers
+    entries: tuple[Annotated[Choice, _named("agent")], ...] = Field(min_length=1)  # maneuvers and agents
     environments: tuple[Annotated[EnvironmentChoice, _named("env")], ...] = Field(
         default=(EnvironmentChoice(env="Jaw"),), min_length=1
-    )
-    cohorts: tuple[str, ...] = Field(default=("trismus",), min_length=1)
-    controls: tuple[Control, ...] = Field(default=(DEFAULT_CONTROL,), min_length=1)
-    sensors: tuple[Sensors, ...] = Field(default=("pose",), min_length=1)
-    force_sensors: tuple[ForceSensor, ...] = Field(default=("cell",), min_length=1)
+    )  # models of the jaw
+    cohorts: tuple[str, ...] = Field(default=("trismus",), min_length=1)  # names or files of cohorts
+    controls: tuple[Control, ...] = Field(default=(DEFAULT_CONTROL,), min_length=1)  # control modes
+    sensors: tuple[Sensors, ...] = Field(default=("pose",), min_length=1)  # `pose` or `point`
+    force_sensors: tuple[ForceSensor, ...] = Field(default=("cell",), min_length=1)  # `cell`, `motors` or `straps`
     reality: dict[str, dict[str, Number]] = Field(default={"none": {}}, min_length=1)
-    control_hz: tuple[Number, ...] = ()
+    """By a name of one's own, effects that the filter does not know; none by default."""
+    control_hz: tuple[Number, ...] = ()  # control steps per second; the default rate of each control by default
     patients: int = Field(ge=1, le=MOST_PATIENTS)
-    seed: int = Field(ge=0, le=LARGEST_SEED)
-    episode_s: Number = Field(default=30.0, gt=0.0)
-    metrics: tuple[str, ...] = Field(default=DEFAULT_METRICS, min_length=1)
-    pairs: tuple[Pair, ...] = ()
+    """How many; patient i is drawn, and its noise made, by the seed `seed + i`."""
+    seed: int = Field(ge=0, le=LARGEST_SEED)  # of the first patient
+    episode_s: Number = Field(default=30.0, gt=0.0)  # length of every episode, s
+    metrics: tuple[str, ...] = Field(default=DEFAULT_METRICS, min_length=1)  # names of `eval.studies.metrics.METRICS`
+    pairs: tuple[Pair, ...] = ()  # comparisons patient by patient
 
     @field_validator(
         "entries", "environments", "cohorts", "controls", "sensors", "force_sensors", "control_hz", "metrics"
@@ -206,9 +166,6 @@ def read(source: str) -> tuple[str, Design]:
 
     Returns:
         Its name, and the study.
-
-    Raises:
-        InputError: no such study or file, or one that is damaged or does not fit; one line that names the field.
     """
     path = shipped().get(source, Path(source))
     if path.suffix.lower() not in FILE_TYPES:

@@ -31,9 +31,6 @@ def draw(profiles: pd.DataFrame, design: Design, path: Path) -> None:
         profiles: of `eval.studies.estimates.profiles`.
         design: the study.
         path: of the file.
-
-    Raises:
-        InputError: the file cannot be written.
     """
     setting = [factor for factor in FACTORS if factor != "entry" and profiles[factor].nunique() > 1]
     table = profiles.assign(

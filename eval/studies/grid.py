@@ -30,10 +30,6 @@ def cells_of(design: Design, trust: bool = False) -> tuple[Cell, ...]:
     Args:
         design: the study.
         trust: whether stable-baselines3 checkpoints may be unpickled.
-
-    Raises:
-        InputError: an unknown entry, one that another setting was trained for, two of one name, settings that no
-            environment takes, or a pair that no two cells fit.
     """
     cells = tuple(cell for environment in design.environments for cell in _of_environment(design, environment, trust))
     for pair in design.pairs:
@@ -103,11 +99,7 @@ def _of_environment(design: Design, environment: EnvironmentChoice, trust: bool)
 
 
 def _checked(choice: Choice, asked: Configuration, labels: dict[str, str], trust: bool) -> Entry:
-    """An entry with a label of its own among the entries so far.
-
-    Raises:
-        InputError: it plays other settings than those asked for, or has the label of another entry.
-    """
+    """An entry with a label of its own among the entries so far."""
     entry = load_entry(choice.agent, asked, trust=trust)
     if entry.world != asked:
         raise InputError(

@@ -21,23 +21,15 @@ Better = Literal["higher", "lower"]
 
 @dataclass(frozen=True)
 class Metric:
-    """One figure per patient, and how it is summed up.
+    """One figure per patient, and how it is summed up."""
 
-    Attributes:
-        title: heading of its column, with its unit.
-        of: its values (N,) from the rows of N patients and the number of parameters.
-        better: which direction is better; None where neither is.
-        statistic: over the patients: their mean, or, where some may be infinite, their median or 90 % quantile (`p90`).
-        scale: factor in tables.
-        digits: behind the point in tables.
-    """
-
-    title: str
-    of: Callable[[pd.DataFrame, int], Array]
-    better: Better | None
+    title: str  # heading of its column, with its unit
+    of: Callable[[pd.DataFrame, int], Array]  # its values (N,) from the rows of N patients and the number of parameters
+    better: Better | None  # which direction is better; None where neither is
     statistic: Literal["mean", "median", "p90"] = "mean"
-    scale: float = 1.0
-    digits: int = 1
+    """Over the patients: their mean, or, where some may be infinite, their median or 90 % quantile (`p90`)."""
+    scale: float = 1.0  # factor in tables
+    digits: int = 1  # behind the point in tables
 
 
 def _column(name: str) -> Callable[[pd.DataFrame, int], Array]:

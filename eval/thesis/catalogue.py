@@ -25,11 +25,7 @@ ITEMS: dict[str, Item] = {
 
 
 def chosen(keys: list[str] | None) -> list[Item]:
-    """Items of these keys, or all.
-
-    Raises:
-        InputError: an unknown key.
-    """
+    """Items of these keys, or all."""
     for key in keys or []:
         if key not in ITEMS:
             raise InputError(f"only is {key!r}; allowed: {', '.join(ITEMS)}")

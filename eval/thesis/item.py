@@ -16,48 +16,29 @@ NO_NUMBER = "The thesis gives no number."
 
 @dataclass(frozen=True)
 class Judgement:
-    """Judgement of an item by its draws.
+    """Judgement of an item by its draws."""
 
-    Attributes:
-        measured: our measurement with its interval, in a sentence or two.
-        verdict: computed from the draws.
-        why: reason of the verdict.
-        numbers: the figures behind it, by name.
-    """
-
-    measured: str
-    verdict: Verdict
-    why: str
-    numbers: dict[str, float] = field(default_factory=dict)
+    measured: str  # our measurement with its interval, in a sentence or two
+    verdict: Verdict  # computed from the draws
+    why: str  # reason of the verdict
+    numbers: dict[str, float] = field(default_factory=dict)  # the figures behind it, by name
 
 
 @dataclass(frozen=True)
 class Item:
-    """One result.
+    """One result."""
 
-    Attributes:
-        key: short name, for ``--only``, files and anchors.
-        title: a few words.
-        where: figure or section of Young (2016).
-        says: statement of the thesis; with its number if it gives one.
-        how: our setting, where the thesis names none.
-        draw: rows of each draw, from its own random numbers; the second argument asks for the quick form.
-        judge: the finding, from the rows of all draws.
-        figure: of the rows of all draws.
-        caption: below the figure.
-        same_draws_as: key of the item with the same draws; empty for draws of its own.
-    """
-
-    key: str
-    title: str
-    where: str
-    says: str
-    how: str
+    key: str  # short name, for ``--only``, files and anchors
+    title: str  # a few words
+    where: str  # figure or section of Young (2016)
+    says: str  # statement of the thesis; with its number if it gives one
+    how: str  # our setting, where the thesis names none
     draw: Callable[[Sequence[np.random.Generator], bool], Iterator[pd.DataFrame]]
-    judge: Callable[[pd.DataFrame], Judgement]
-    figure: Callable[[pd.DataFrame], Figure]
-    caption: str
-    same_draws_as: str = ""
+    """Rows of each draw, from its own random numbers; the second argument asks for the quick form."""
+    judge: Callable[[pd.DataFrame], Judgement]  # the finding, from the rows of all draws
+    figure: Callable[[pd.DataFrame], Figure]  # of the rows of all draws
+    caption: str  # below the figure
+    same_draws_as: str = ""  # key of the item with the same draws; empty for draws of its own
 
     @property
     def drawn_as(self) -> str:

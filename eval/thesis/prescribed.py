@@ -33,13 +33,10 @@ _START_SD = (1e-3, 0.0175, 1e-3, 0.01)  # as the environment: 1 mm, 1 degree, 1 
 
 @dataclass(frozen=True)
 class PrescribedMotion:
-    """A motion by keyframes, each coordinate at rest in each of them and smooth between (quintic polynomials).
-
-    Attributes:
-        keyframes: coordinate -> (seconds, values in m or rad); a coordinate that is not named stays 0.
-    """
+    """A motion by keyframes, each coordinate at rest in each of them and smooth between (quintic polynomials)."""
 
     keyframes: Mapping[str, tuple[Sequence[float], Sequence[float]]]
+    """Coordinate -> (seconds, values in m or rad); a coordinate that is not named stays 0."""
 
     @property
     def duration(self) -> float:

@@ -32,20 +32,11 @@ ENOUGH = 20
 
 @dataclass(frozen=True)
 class Draws:
-    """How the items are drawn.
+    """How the items are drawn."""
 
-    Attributes:
-        draws: of each item, >= 2.
-        seed: of all draws, 0 to ``jawenv.playing.rollout.LARGEST_SEED``.
-        quick: short episodes and fewer cases, to try the program out.
-
-    Raises:
-        InputError: a number out of range.
-    """
-
-    draws: int = 1000
-    seed: int = 0
-    quick: bool = False
+    draws: int = 1000  # of each item, >= 2
+    seed: int = 0  # of all draws, 0 to ``jawenv.playing.rollout.LARGEST_SEED``
+    quick: bool = False  # short episodes and fewer cases, to try the program out
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -71,9 +62,6 @@ def draw_all(items: Sequence[Item], settings: Draws, output: Path, run: Run | No
 
     Returns:
         Rows of all draws of each item by its key, with a column ``draw``.
-
-    Raises:
-        InputError: the output folder cannot be used, or a kept file is damaged.
     """
     folder = folder_for(output, "draws")
     parts = {item.key: parts_of_item(item, settings, folder) for item in items}

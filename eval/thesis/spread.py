@@ -11,19 +11,12 @@ from eval.figures import words
 
 @dataclass(frozen=True)
 class Spread:
-    """One parameter, F_o (N) or b, over all draws; NaN where there are too few.
+    """One parameter, F_o (N) or b, over all draws; NaN where there are too few."""
 
-    Attributes:
-        parameter: its name.
-        truth: its true value.
-        mean: of the estimates.
-        sd: of the estimates.
-    """
-
-    parameter: str
-    truth: float
-    mean: float
-    sd: float
+    parameter: str  # its name
+    truth: float  # its true value
+    mean: float  # of the estimates
+    sd: float  # of the estimates
 
     @property
     def bias(self) -> float:

@@ -40,9 +40,6 @@ def study(
 
     Returns:
         The findings by the items' keys.
-
-    Raises:
-        InputError: an unknown item, a number out of range, or a folder that cannot be used.
     """
     items = chosen(only)
     tables = draw_all(items, settings, output, run)

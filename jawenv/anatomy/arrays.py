@@ -16,9 +16,6 @@ class FrozenArrays:
     """Base of frozen dataclasses of numbers: arrays become float64 copies, read-only, also after unpickling.
 
     Tuples of names or of whole numbers stay as they are.
-
-    Raises:
-        InputError: a field is not made of finite numbers.
     """
 
     def __post_init__(self) -> None:

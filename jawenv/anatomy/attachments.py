@@ -41,21 +41,13 @@ class _Table(InputModel):
 
 @dataclass(frozen=True, eq=False)
 class Attachment(FrozenArrays):
-    """The line of one muscle portion on one side.
+    """The line of one muscle portion on one side."""
 
-    Attributes:
-        origin_m: (3,) end on the skull.
-        insertion_m: (3,) end on the mandible, jaw closed.
-        origin_sd_m: (3,) sd between subjects of the end on the skull.
-        insertion_sd_m: (3,) the same of the end on the mandible.
-        strength_N: largest active force, the portion's weight in a whole muscle.
-    """
-
-    origin_m: NDArray[np.float64]
-    insertion_m: NDArray[np.float64]
-    origin_sd_m: NDArray[np.float64]
-    insertion_sd_m: NDArray[np.float64]
-    strength_N: float
+    origin_m: NDArray[np.float64]  # (3,) end on the skull
+    insertion_m: NDArray[np.float64]  # (3,) end on the mandible, jaw closed
+    origin_sd_m: NDArray[np.float64]  # (3,) sd between subjects of the end on the skull
+    insertion_sd_m: NDArray[np.float64]  # (3,) the same of the end on the mandible
+    strength_N: float  # largest active force, the portion's weight in a whole muscle
 
 
 @cache
@@ -65,11 +57,7 @@ def attachment_rows() -> tuple[AttachmentRow, ...]:
 
 
 def attachment(portion: str, side: str) -> Attachment:
-    """The accepted line of a portion, mirrored for the left side.
-
-    Raises:
-        InputError: unknown portion or side.
-    """
+    """The accepted line of a portion, mirrored for the left side."""
     if side not in ("left", "right"):
         raise InputError(f"side '{side}' is unknown; allowed: left, right")
     rows = {row.portion: row for row in attachment_rows() if row.status == "accepted"}

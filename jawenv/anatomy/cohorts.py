@@ -53,28 +53,26 @@ TRUNCATED_VARIANCE = 1.0 - 2.0 * TRUNCATION_SD * math.exp(-0.5 * TRUNCATION_SD**
 
 @dataclass(frozen=True, eq=False)
 class Cohort:
-    """A population of patients.
-
-    Attributes:
-        name: as the environment's argument `cohort` takes it.
-        description: who they are, for tables.
-        basis: where the numbers come from, with their grade.
-        groups: equally likely groups, each (left, right) stiffness of every whole muscle on that side.
-        muscles: the muscles that its patients have; a line that stands for several whole muscles, or for a part of
-            one, has that multiple of F_o.
-        mean: (groups, p) mean of the natural-log parameters of each group, 12 by default.
-        sd: (groups, p) their sd before truncation.
-        prior: the filter's prior.
-    """
+    """A population of patients."""
 
     name: str
+    """As the environment's argument `cohort` takes it."""
     description: str
+    """Who they are, for tables."""
     basis: str
+    """Where the numbers come from, with their grade."""
     groups: tuple[tuple[Stiffness, Stiffness], ...]
+    """Equally likely groups, each (left, right) stiffness of every whole muscle on that side."""
     muscles: MuscleSet = field(default_factory=muscle_set, repr=False)
+    """The muscles that its patients have; a line that stands for several whole muscles, or for a part of one, has
+    that multiple of F_o.
+    """
     mean: NDArray[np.float64] = field(init=False, repr=False)
+    """(groups, p) mean of the natural-log parameters of each group, 12 by default."""
     sd: NDArray[np.float64] = field(init=False, repr=False)
+    """(groups, p) their sd before truncation."""
     prior: Prior = field(init=False, repr=False)
+    """The filter's prior."""
 
     def __post_init__(self) -> None:
         """Arrays and prior follow from the groups.

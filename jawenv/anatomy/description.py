@@ -51,20 +51,18 @@ INERTIA_PER_KG = (1e-6, 0.04)
 class Anatomy:
     """Attachments, mandible and fossa.
 
-    Attributes:
-        attachments: portion -> its line on the right, mirrored to the left; portion and side, as
-            ``deep_masseter_left``, -> the line of that side alone, with its own y. Other portions have the lines of the
-            table.
-        mandible: mass properties, contact points and damping.
-        fossa: the condyles' path.
-
     Raises:
         InputError: an unknown portion, a value that is not allowed, or a line without length.
     """
 
     attachments: Mapping[str, Attachment] = field(default_factory=dict)
+    """Portion -> its line on the right, mirrored to the left; portion and side, as ``deep_masseter_left``, -> the
+    line of that side alone, with its own y. Other portions have the lines of the table.
+    """
     mandible: Mandible = field(default_factory=default_mandible)
+    """Mass properties, contact points and damping."""
     fossa: Fossa = field(default_factory=default_fossa)
+    """The condyles' path."""
 
     def __post_init__(self) -> None:
         """Check all numbers, and that the muscles of every model exist."""
@@ -160,11 +158,7 @@ class Anatomy:
 
 
 def anatomy_of(anatomy: Anatomy | Source | None) -> Anatomy:
-    """An anatomy that is given as itself, as a mapping or as the path of a file; None is the default one.
-
-    Raises:
-        InputError: none of these, or what ``Anatomy`` refuses.
-    """
+    """An anatomy that is given as itself, as a mapping or as the path of a file; None is the default one."""
     return Anatomy() if anatomy is None else instance_of(Anatomy, anatomy, "anatomy")
 
 

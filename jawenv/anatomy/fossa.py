@@ -16,18 +16,10 @@ __all__ = ["Fossa", "default_fossa"]
 
 @dataclass(frozen=True)
 class Fossa(FrozenArrays):
-    """The condyle centre's path `z = d (cos f x - 1)`, from the roof of the fossa over the eminence.
+    """The condyle centre's path `z = d (cos f x - 1)`, from the roof of the fossa over the eminence."""
 
-    Attributes:
-        drop_m: d; the crest of the eminence lies 2 d below the roof.
-        spatial_frequency: f, rad/m; the crest lies at x = pi/f.
-
-    Raises:
-        InputError: a number that is not positive.
-    """
-
-    drop_m: float
-    spatial_frequency: float
+    drop_m: float  # d; the crest of the eminence lies 2 d below the roof
+    spatial_frequency: float  # f, rad/m; the crest lies at x = pi/f
 
     def __post_init__(self) -> None:
         """Check that there is a path."""

@@ -88,11 +88,7 @@ LEVELS: Mapping[str, Knowledge] = MappingProxyType({"exact": Knowledge(), "image
 
 
 def knowledge(source: str | Knowledge | Source | None) -> Knowledge:
-    """A ``Knowledge`` from the name of a level, itself, a mapping of its fields or the path of a file.
-
-    Raises:
-        InputError: none of these, or a value that is not allowed.
-    """
+    """A ``Knowledge`` from the name of a level, itself, a mapping of its fields or the path of a file."""
     if source is None:
         return LEVELS["exact"]
     if isinstance(source, str) and "." not in source and "/" not in source:

@@ -17,43 +17,22 @@ __all__ = ["Mandible", "default_mandible"]
 
 @dataclass(frozen=True, eq=False)
 class Mandible(FrozenArrays):
-    """Mass properties, contact points and damping of the mandible; points in the closed-jaw frame, SI units.
+    """Mass properties, contact points and damping of the mandible; points in the closed-jaw frame, SI units."""
 
-    Attributes:
-        mass_kg: with the attached soft tissue.
-        centre_of_mass_m: (3,).
-        inertia_kg_m2: (3, 3) inertia tensor about the centre of mass (matrix elements, body axes).
-        mouthpiece_m: (3,) where the device holds the jaw: between the lower incisors' edges.
-        teeth_m: (3, 3) contact points incisor, left first molar, right first molar.
-        damping_rotation: N m s/rad, on the angular velocity.
-        damping_sliding: N s/m, on the condyle's sliding velocity.
-        tooth_stiffness: N/m per contact point.
-        closing_tone_N: Constant active tension of each of the six whole closing muscles, beside the passive one.
-        condyle_half_width_m: from the midline to the centre of a condyle.
-        disc_stiffness: N/m, of the disc and cartilage over one condyle, across the surface of the fossa.
-        disc_damping: N s/m, of the same.
-        disc_onset: N; below half of it the disc's force grows with the square of its compression.
-        gravity: m/s2.
-
-    Raises:
-        InputError: a wrong shape, a mass, stiffness, width or onset that is not positive, negative damping or gravity,
-            an inertia tensor that no rigid body has (symmetric, positive definite, triangle inequalities).
-    """
-
-    mass_kg: float
-    centre_of_mass_m: NDArray[np.float64]
-    inertia_kg_m2: NDArray[np.float64]
-    mouthpiece_m: NDArray[np.float64]
-    teeth_m: NDArray[np.float64]
-    damping_rotation: float
-    damping_sliding: float
-    tooth_stiffness: float
-    closing_tone_N: float
-    condyle_half_width_m: float
-    disc_stiffness: float
-    disc_damping: float
-    disc_onset: float
-    gravity: float
+    mass_kg: float  # with the attached soft tissue
+    centre_of_mass_m: NDArray[np.float64]  # (3,)
+    inertia_kg_m2: NDArray[np.float64]  # (3, 3) inertia tensor about the centre of mass (matrix elements, body axes)
+    mouthpiece_m: NDArray[np.float64]  # (3,) where the device holds the jaw: between the lower incisors' edges
+    teeth_m: NDArray[np.float64]  # (3, 3) contact points incisor, left first molar, right first molar
+    damping_rotation: float  # N m s/rad, on the angular velocity
+    damping_sliding: float  # N s/m, on the condyle's sliding velocity
+    tooth_stiffness: float  # N/m per contact point
+    closing_tone_N: float  # Constant active tension of each of the six whole closing muscles, beside the passive one
+    condyle_half_width_m: float  # from the midline to the centre of a condyle
+    disc_stiffness: float  # N/m, of the disc and cartilage over one condyle, across the surface of the fossa
+    disc_damping: float  # N s/m, of the same
+    disc_onset: float  # N; below half of it the disc's force grows with the square of its compression
+    gravity: float  # m/s2
 
     def __post_init__(self) -> None:
         """Check that this is a body that can exist."""

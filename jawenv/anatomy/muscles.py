@@ -68,24 +68,15 @@ class MuscleSet(FrozenArrays):
     """Lines of action of n lines that belong to m muscles, jaw closed.
 
     The frame's origin lies midway between the condyle centres, x forward, y left, z up.
-
-    Attributes:
-        names: m muscles, left side first.
-        muscle: n indices: which muscle a line belongs to.
-        origin_m: (n, 3) ends on the skull.
-        insertion_m: (n, 3) ends on the mandible, jaw closed.
-        l_o_m: (n,) closed-jaw lengths, to which `F_o` belongs.
-        origin_sd_m: (n, 3) sd between subjects of the ends on the skull.
-        insertion_sd_m: (n, 3) the same of the ends on the mandible.
     """
 
-    names: tuple[str, ...]
-    muscle: tuple[int, ...]
-    origin_m: NDArray[np.float64]
-    insertion_m: NDArray[np.float64]
-    l_o_m: NDArray[np.float64]
-    origin_sd_m: NDArray[np.float64]
-    insertion_sd_m: NDArray[np.float64]
+    names: tuple[str, ...]  # m muscles, left side first
+    muscle: tuple[int, ...]  # n indices: which muscle a line belongs to
+    origin_m: NDArray[np.float64]  # (n, 3) ends on the skull
+    insertion_m: NDArray[np.float64]  # (n, 3) ends on the mandible, jaw closed
+    l_o_m: NDArray[np.float64]  # (n,) closed-jaw lengths, to which `F_o` belongs
+    origin_sd_m: NDArray[np.float64]  # (n, 3) sd between subjects of the ends on the skull
+    insertion_sd_m: NDArray[np.float64]  # (n, 3) the same of the ends on the mandible
 
     def __post_init__(self) -> None:
         """Check the shapes, that every muscle has a line and that no line has lost its length."""
@@ -165,9 +156,6 @@ def muscle_set(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES, line_of: Lin
             line of a whole muscle is the force-weighted mean of its portions' origins and insertions),
             `PORTIONS` the 12 lines of the portions themselves.
         line_of: where a portion is attached; the table by default.
-
-    Raises:
-        InputError: an unknown portion, or a muscle without portions.
     """
     for group, portions in groups.items():
         if not portions:

@@ -42,23 +42,22 @@ class Patient(InputModel):
 
     The muscles are the six whole ones, or those of another model (`known_muscle_sets`).
 
-    Attributes:
-        name: for tables and files.
-        F_o_N: muscle -> force at its closed-jaw length, N, in (0, 200].
-        b: muscle -> stiffness exponent, in (0, 60].
-        head_tilt_deg: pitch of the head, positive nose down, in [-90, 90].
-        anatomy_seed: of the anatomy that is known only within sds (`jawenv.Knowledge`), so that it is the
-            same in all episodes, 0 to 2**32 - 1; drawn anew in each by default.
-
     Raises:
         InputError: one line that names the field, the value and what is allowed.
     """
 
     name: Text = Field(default="patient", min_length=1)
+    """For tables and files."""
     F_o_N: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_F_O_N)]], AfterValidator(_of_all_muscles)]
+    """Muscle -> force at its closed-jaw length, N, in (0, 200]."""
     b: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_B)]], AfterValidator(_of_all_muscles)]
+    """Muscle -> stiffness exponent, in (0, 60]."""
     head_tilt_deg: Annotated[Number, Field(ge=-90, le=90)] = 0.0
+    """Pitch of the head, positive nose down, in [-90, 90]."""
     anatomy_seed: Annotated[int, Field(ge=0, le=LARGEST_SEED), BeforeValidator(_pythons)] | None = None
+    """Of the anatomy that is known only within sds (`jawenv.Knowledge`), so that it is the same in all episodes, 0
+    to 2**32 - 1; drawn anew in each by default.
+    """
 
     @classmethod
     def from_dict(cls, data: Mapping[str, object]) -> Self:

@@ -15,18 +15,10 @@ __all__ = ["Prior"]
 
 @dataclass(frozen=True, eq=False)
 class Prior(FrozenArrays):
-    """Independent normal beliefs about the natural-log parameters.
+    """Independent normal beliefs about the natural-log parameters."""
 
-    Attributes:
-        mean: (p,) in the order of the parameters' names.
-        sd: (p,) standard deviations, so 0.05 is 5 %.
-
-    Raises:
-        InputError: wrong shape, not finite, or an sd that is not positive.
-    """
-
-    mean: NDArray[np.float64]
-    sd: NDArray[np.float64]
+    mean: NDArray[np.float64]  # (p,) in the order of the parameters' names
+    sd: NDArray[np.float64]  # (p,) standard deviations, so 0.05 is 5 %
 
     def __post_init__(self) -> None:
         """Check shapes and signs."""

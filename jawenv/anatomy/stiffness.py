@@ -11,22 +11,12 @@ from jawenv.errors import InputError, shown
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Log-normal distribution of the two numbers of a muscle.
+    """Log-normal distribution of the two numbers of a muscle."""
 
-    Attributes:
-        F_o_N: median force at the closed-jaw length, N.
-        F_o_sd: sd of its natural log.
-        b: median stiffness exponent.
-        b_sd: sd of its natural log.
-
-    Raises:
-        InputError: a number that is not finite and positive.
-    """
-
-    F_o_N: float
-    F_o_sd: float
-    b: float
-    b_sd: float
+    F_o_N: float  # median force at the closed-jaw length, N
+    F_o_sd: float  # sd of its natural log
+    b: float  # median stiffness exponent
+    b_sd: float  # sd of its natural log
 
     def __post_init__(self) -> None:
         """Check that the logarithms exist."""

@@ -15,11 +15,7 @@ LONGEST_SENTENCE = 110  # characters
 
 
 def print_list(what: str | None) -> None:
-    """Print all of one kind, one a line with a sentence; every kind under its name where none is named.
-
-    Raises:
-        InputError: no such kind.
-    """
+    """Print all of one kind, one a line with a sentence; every kind under its name where none is named."""
     if what is not None and what not in _LISTS:
         raise not_among("list", what, _LISTS)
     for kind in (what,) if what else _LISTS:

@@ -18,11 +18,7 @@ from jawenv.playing.rollout import play as play_on
 
 
 def agent_of(spec: str, world: Configuration) -> Agent:
-    """The agent of a name, a maneuver file or a policy's folder, for a world.
-
-    Raises:
-        InputError: no such agent, or one that cannot play that world.
-    """
+    """The agent of a name, a maneuver file or a policy's folder, for a world."""
     agent = named_agent(spec, world.control, world.control_hz, world.env_id)
     if agent is None:
         files = f", a maneuver file ({', '.join(SUFFIXES)}) or a policy's folder"
@@ -31,11 +27,7 @@ def agent_of(spec: str, world: Configuration) -> Agent:
 
 
 def world_for(spec: str, asked: Mapping[str, Any]) -> Configuration:
-    """The world that is asked for; what is not said of a policy's is that of its training.
-
-    Raises:
-        InputError: what the environment refuses, or a damaged card.
-    """
+    """The world that is asked for; what is not said of a policy's is that of its training."""
     folder = policy_folder(spec)
     if folder is None:
         return Configuration.from_mapping(asked)
@@ -48,11 +40,7 @@ def world_for(spec: str, asked: Mapping[str, Any]) -> Configuration:
 
 
 def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -> None:
-    """Play an agent on patients, and print what it found out.
-
-    Raises:
-        InputError: an unknown agent, or what the environment refuses.
-    """
+    """Play an agent on patients, and print what it found out."""
     player, env_id = agent_of(maneuver, world), world.env_id
     reached = score(play_on(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
     medians = (np.median(values, axis=0) for values in (reached.sd, np.abs(reached.error), reached.bound_sd))

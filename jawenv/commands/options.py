@@ -89,11 +89,7 @@ def _option(argument: Field[Any], default: Any) -> Any:
 
 
 def _world(arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments as the environment takes them.
-
-    Raises:
-        InputError: a text is no field with a number, or a file cannot be read or is damaged.
-    """
+    """Arguments as the environment takes them."""
     from jawenv.envs.configuration import Configuration, plain_value
 
     kinds = {argument.name: argument.metadata["option"] for argument in fields(Configuration)}

@@ -34,9 +34,6 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None) -> int:
 
     Returns:
         Exit code: 0, or 3 where the estimates are not to be believed.
-
-    Raises:
-        InputError: the file cannot be read, is damaged or has an impossible rate, or an argument is not allowed.
     """
     write_page = None if page is None else _page_writer()
     if page is not None:

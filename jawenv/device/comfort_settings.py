@@ -25,49 +25,46 @@ SMALLEST_RANGE_MM = 5.0  # of a patient whom the device can treat: a painless ra
 
 @dataclass(frozen=True)
 class Comfort(NumericFields):
-    """A patient's limits of comfort, and the multiple of them that ends an episode.
-
-    Attributes:
-        force_N: Soft limit of the force of the device on the mouthpiece (G).
-        speed_mm_s: Of the mouthpiece's speed (G).
-        condyle_side_mm: Of the condyles' travel to a side, from rest (G).
-        side_mm: Of the mouthpiece's travel to a side, of a jaw that opens 48 mm; in proportion with less (D).
-        fore_aft_mm: Of its travel off the natural path, alike (D).
-        painless_force_N: Vertical pull that ends the painless range, the soft limit of opening (G).
-        painless_range_mm: That range at most, above rest (G).
-        largest_opening_mm: Opening at its end at most, in all (G).
-        condyle_back_mm: How far behind the fossa's roof the middle of the condyles may go (G).
-        condyle_free_mm: How far beyond their natural travel (G).
-        tension_margin: Soft limit of a muscle's tension, over that at the end of the painless range (G).
-        force_hard: Hard limit over soft limit, of the force; the same of the others (G).
-        opening_hard: Of the opening (G).
-        side_hard: Of the mouthpiece's travel to a side (G).
-        fore_aft_hard: Of its travel off the natural path (G).
-        condyle_fore_aft_hard: Of the condyles' travel (G).
-        condyle_side_hard: Of their travel to a side (G).
-        speed_hard: Of the speed (G).
-        tension_hard: Of the tension (G).
-    """
+    """A patient's limits of comfort, and the multiple of them that ends an episode."""
 
     force_N: float = number(24.0, 1000.0, "N", zero=False)
+    """Soft limit of the force of the device on the mouthpiece (G)."""
     speed_mm_s: float = number(40.0, 10000.0, "mm/s", zero=False)
+    """Of the mouthpiece's speed (G)."""
     condyle_side_mm: float = number(3.0, 100.0, "mm", zero=False)
+    """Of the condyles' travel to a side, from rest (G)."""
     side_mm: float = number(10.0, 100.0, "mm", zero=False)
+    """Of the mouthpiece's travel to a side, of a jaw that opens 48 mm; in proportion with less (D)."""
     fore_aft_mm: float = number(8.8, 100.0, "mm", zero=False)
+    """Of its travel off the natural path, alike (D)."""
     painless_force_N: float = number(20.0, 1000.0, "N", zero=False)
+    """Vertical pull that ends the painless range, the soft limit of opening (G)."""
     painless_range_mm: float = number(35.0, 60.0, "mm", zero=False)
+    """That range at most, above rest (G)."""
     largest_opening_mm: float = number(45.0, 60.0, "mm", zero=False)
+    """Opening at its end at most, in all (G)."""
     condyle_back_mm: float = number(0.5, 100.0, "mm")
+    """How far behind the fossa's roof the middle of the condyles may go (G)."""
     condyle_free_mm: float = number(2.0, 100.0, "mm")
+    """How far beyond their natural travel (G)."""
     tension_margin: float = number(1.5, 1000.0, "1", zero=False)
+    """Soft limit of a muscle's tension, over that at the end of the painless range (G)."""
     force_hard: float = number(1.5, 1000.0, "1", zero=False)
+    """Hard limit over soft limit, of the force; the same of the others (G)."""
     opening_hard: float = number(1.3, 1000.0, "1", zero=False)
+    """Of the opening (G)."""
     side_hard: float = number(1.8, 1000.0, "1", zero=False)
+    """Of the mouthpiece's travel to a side (G)."""
     fore_aft_hard: float = number(1.8, 1000.0, "1", zero=False)
+    """Of its travel off the natural path (G)."""
     condyle_fore_aft_hard: float = number(1.4, 1000.0, "1", zero=False)
+    """Of the condyles' travel (G)."""
     condyle_side_hard: float = number(2.0, 1000.0, "1", zero=False)
+    """Of their travel to a side (G)."""
     speed_hard: float = number(5.0, 1000.0, "1", zero=False)
+    """Of the speed (G)."""
     tension_hard: float = number(2.5, 1000.0, "1", zero=False)
+    """Of the tension (G)."""
 
     def __post_init__(self) -> None:
         """Check that hard limits lie beyond soft ones, and that a painless range is wide enough to be one.
@@ -95,9 +92,5 @@ class Comfort(NumericFields):
 
 
 def comfort_of(comfort: object) -> Comfort:
-    """Comfort that is given as itself, as a mapping of fields or as the path of a file; None is the default one.
-
-    Raises:
-        InputError: none of these, an unknown field, a value that is not allowed, or a file that cannot be read.
-    """
+    """Comfort that is given as itself, as a mapping of fields or as the path of a file; None is the default one."""
     return Comfort() if comfort is None else instance_of(Comfort, comfort, "comfort")

@@ -65,84 +65,84 @@ class Linkage:
 
 @dataclass(frozen=True)
 class Device(NumericFields):
-    """Numbers of the device. Grade M: a maker's sheet or a measurement, A: assumption, G: guess.
-
-    Attributes:
-        vertical_arm_mm: Half the distance between the vertical motors' points on the mouthpiece (G).
-        horizontal_arm_mm: The same for the horizontal motors (G).
-        lever: Force at the mouthpiece per thrust of the motor: 3 cm over 12 cm (Young 2016, section 3.3; A).
-        full_scale_N: Force at the mouthpiece that the action 1 commands of one motor (A).
-        motor_continuous_N: Thrust that the motor holds for ever (150 N, KocoMotion 2015, in Young 2016; M).
-        motor_peak_N: Thrust that it gives while cool (230 N, same source; M).
-        motor_no_load_mm_s: Speed of the motor at which its thrust has fallen to zero (G: 8-20 mm/s).
-        thermal_s: Time constant of the motor's heat, proportional to thrust squared (G).
-        force_cap_N: Largest force of the device on the mouthpiece, whatever the motors could do (Young 2016, 3.3; G).
-        slew_N_s: Largest rate of change of one motor's commanded force at the mouthpiece (G).
-        lag_s: Time constant with which thrust, or rate in trajectory control, follows its command (G).
-        max_rate_mm_s: Target rate that the action 1 commands of one motor in trajectory control (G).
-        servo_stiffness_N_m: Stiffness of one motor's position servo at the mouthpiece (G).
-        servo_damping_N_s_m: Its damping (G).
-        stop_stiffness_N_m: Stiffness of the governor's end stops in the linkage (G).
-        stop_damping_N_s_m: Their damping while pressed (G).
-        brake_N_s_m: The governor's speed brake (G). From 300 on a jaw of 0.2 kg stops within a step of the simulation.
-        unmodelled_force_N: Sd of each component of the force that no model explains, anew every 10 ms (G).
-        unmodelled_moment_N_m: The same for its moment (G).
-        unmodelled_time_s: Time constant of its memory (an Ornstein-Uhlenbeck process of these sds); 0 for none (G: what
-            tone and a breathing, swallowing patient do lasts for tenths of a second to seconds).
-        cell_force_N: Noise of one sample of the load cell, three per 10 ms (G: 0.02-0.2 N).
-        cell_moment_N_m: The same for its moments (G).
-        cell_gain: Sd of the load cell's gain error, one value for a whole episode (G: 1 %).
-        motor_table_gain: Sd of the error of each motor's force-velocity table, relative (G: 5-10 %). This and what
-            follows up to ``strap_pretension_N`` matters where ``force_sensor`` says so, in place of the load cell's.
-        motor_table_N: Noise of one reading of each motor's force, three per 10 ms (G).
-        motor_coulomb_N: Sd of the level of each motor's Coulomb friction beyond what the table has, at the mouthpiece
-            (G: a few per cent of what a motor gives there).
-        motor_viscous_N_s_m: The same for viscous friction (G).
-        strap_gain: Sd of the gain error of each strap's sensor (G: 1-3 %).
-        strap_N: Noise of one reading of each strap's tension (G).
-        strap_direction_deg: Sd of each of the two angles by which each strap's direction is off (G: 1-3 degrees).
-        strap_pretension_N: Tension of each strap while its motor does nothing; 0 for straps that only pull (G).
-        encoder_position_mm: Noise of the mouthpiece position (G: 0.05-0.3 mm).
-        encoder_angle_deg: Noise of the mouthpiece angles (M: optical tracker 0.126 deg, Mueller 2025).
-        encoder_velocity_mm_s: Noise of the mouthpiece velocity (G: 0.5-3 mm/s).
-        encoder_rate_rad_s: Noise of the angular velocity (G).
-    """
+    """Numbers of the device. Grade M: a maker's sheet or a measurement, A: assumption, G: guess."""
 
     vertical_arm_mm: float = number(25.0, 1000.0, "mm", zero=False)
+    """Half the distance between the vertical motors' points on the mouthpiece (G)."""
     horizontal_arm_mm: float = number(30.0, 1000.0, "mm", zero=False)
+    """The same for the horizontal motors (G)."""
     lever: float = number(0.25, 10.0, "1", zero=False)
+    """Force at the mouthpiece per thrust of the motor: 3 cm over 12 cm (Young 2016, section 3.3; A)."""
     full_scale_N: float = number(12.0, 600.0, "N", zero=False)
+    """Force at the mouthpiece that the action 1 commands of one motor (A)."""
     motor_continuous_N: float = number(150.0, 15000.0, "N", zero=False)
+    """Thrust that the motor holds for ever (150 N, KocoMotion 2015, in Young 2016; M)."""
     motor_peak_N: float = number(230.0, 23000.0, "N", zero=False)
+    """Thrust that it gives while cool (230 N, same source; M)."""
     motor_no_load_mm_s: float = number(20.0, 2000.0, "mm/s", zero=False)
+    """Speed of the motor at which its thrust has fallen to zero (G: 8-20 mm/s)."""
     thermal_s: float = number(10.0, 1000.0, "s", zero=False, record="thermal_time")
+    """Time constant of the motor's heat, proportional to thrust squared (G)."""
     force_cap_N: float = number(40.0, 4000.0, "N", zero=False)
+    """Largest force of the device on the mouthpiece, whatever the motors could do (Young 2016, 3.3; G)."""
     slew_N_s: float = number(24.0, 100000.0, "N/s", zero=False)
+    """Largest rate of change of one motor's commanded force at the mouthpiece (G)."""
     lag_s: float = number(0.02, 2.0, "s", zero=False)
+    """Time constant with which thrust, or rate in trajectory control, follows its command (G)."""
     max_rate_mm_s: float = number(40.0, 4000.0, "mm/s", zero=False)
+    """Target rate that the action 1 commands of one motor in trajectory control (G)."""
     servo_stiffness_N_m: float = number(1000.0, 60000.0, "N/m", zero=False)
+    """Stiffness of one motor's position servo at the mouthpiece (G)."""
     servo_damping_N_s_m: float = number(10.0, 800.0, "N s/m", zero=False)
+    """Its damping (G)."""
     stop_stiffness_N_m: float = number(5000.0, 500000.0, "N/m", zero=False)
+    """Stiffness of the governor's end stops in the linkage (G)."""
     stop_damping_N_s_m: float = number(10.0, 1000.0, "N s/m", zero=False)
+    """Their damping while pressed (G)."""
     brake_N_s_m: float = number(90.0, 100.0, "N s/m")
+    """The governor's speed brake (G). From 300 on a jaw of 0.2 kg stops within a step of the simulation."""
     unmodelled_force_N: float = number(0.1, 10.0, "N")
+    """Sd of each component of the force that no model explains, anew every 10 ms (G)."""
     unmodelled_moment_N_m: float = number(0.003, 0.3, "N m")
+    """The same for its moment (G)."""
     unmodelled_time_s: float = number(0.0, 100.0, "s")
+    """Time constant of its memory (an Ornstein-Uhlenbeck process of these sds); 0 for none (G: what tone and a
+    breathing, swallowing patient do lasts for tenths of a second to seconds).
+    """
     cell_force_N: float = number(0.04, 4.0, "N")
+    """Noise of one sample of the load cell, three per 10 ms (G: 0.02-0.2 N)."""
     cell_moment_N_m: float = number(0.0008, 0.08, "N m")
+    """The same for its moments (G)."""
     cell_gain: float = number(0.01, 0.5, "1")
+    """Sd of the load cell's gain error, one value for a whole episode (G: 1 %)."""
     motor_table_gain: float = number(0.07, 0.2, "1")
+    """Sd of the error of each motor's force-velocity table, relative (G: 5-10 %). This and what follows up to
+    ``strap_pretension_N`` matters where ``force_sensor`` says so, in place of the load cell's.
+    """
     motor_table_N: float = number(0.05, 4.0, "N")
+    """Noise of one reading of each motor's force, three per 10 ms (G)."""
     motor_coulomb_N: float = number(0.3, 10.0, "N")
+    """Sd of the level of each motor's Coulomb friction beyond what the table has, at the mouthpiece (G: a few per
+    cent of what a motor gives there).
+    """
     motor_viscous_N_s_m: float = number(2.0, 1000.0, "N s/m")
+    """The same for viscous friction (G)."""
     strap_gain: float = number(0.02, 0.2, "1")
+    """Sd of the gain error of each strap's sensor (G: 1-3 %)."""
     strap_N: float = number(0.05, 4.0, "N")
+    """Noise of one reading of each strap's tension (G)."""
     strap_direction_deg: float = number(2.0, 10.0, "deg")
+    """Sd of each of the two angles by which each strap's direction is off (G: 1-3 degrees)."""
     strap_pretension_N: float = number(10.0, 1000.0, "N")
+    """Tension of each strap while its motor does nothing; 0 for straps that only pull (G)."""
     encoder_position_mm: float = number(0.1, 10.0, "mm")
+    """Noise of the mouthpiece position (G: 0.05-0.3 mm)."""
     encoder_angle_deg: float = number(0.1, 180.0, "deg")
+    """Noise of the mouthpiece angles (M: optical tracker 0.126 deg, Mueller 2025)."""
     encoder_velocity_mm_s: float = number(1.0, 100.0, "mm/s")
+    """Noise of the mouthpiece velocity (G: 0.5-3 mm/s)."""
     encoder_rate_rad_s: float = number(0.02, 2.0, "rad/s")
+    """Noise of the angular velocity (G)."""
 
     def records(self) -> NDArray[np.void]:
         """The device as an array of one record of dtype ``DEVICE``, as the kernels read it, in SI units."""
@@ -158,9 +158,5 @@ class Device(NumericFields):
 
 
 def device_of(device: object) -> Device:
-    """The device that is given as itself, as a mapping of fields or as the path of a file; None is the default one.
-
-    Raises:
-        InputError: none of these, an unknown field, a value that is not allowed, or a file that cannot be read.
-    """
+    """The device that is given as itself, as a mapping of fields or as the path of a file; None is the default one."""
     return Device() if device is None else instance_of(Device, device, "device")

@@ -23,11 +23,7 @@ def checked_action(action: Any) -> NDArray[np.float64]:
 
 
 def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """``actions`` as a float array of ``shape`` within [-1, 1].
-
-    Raises:
-        InputError: another shape, not a number, or outside [-1, 1].
-    """
+    """``actions`` as a float array of ``shape`` within [-1, 1]."""
     try:
         values = np.asarray(actions)
         # A complex array would lose its imaginary part, and text that looks like numbers would pass for numbers.

@@ -17,11 +17,7 @@ _COUNTER: tuple[Any, Any, Any, Any] = (np.uint64(1), np.uint64(0), np.uint64(0),
 
 
 def checked_asked(asked: object, muscles: Sequence[str], name: str = "asked") -> str | None:
-    """A question that muscles of these names can answer; None asks for all.
-
-    Raises:
-        InputError: neither "random", nor a muscle, nor a word of the names of some.
-    """
+    """A question that muscles of these names can answer; None asks for all."""
     if asked is None or (isinstance(asked, str) and (asked == RANDOM or _named(asked, muscles).any())):
         return asked
     raise not_among(name, asked, (RANDOM, *muscles), ", or a word of these, as left")

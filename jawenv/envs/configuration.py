@@ -113,11 +113,7 @@ class Configuration:
     )
 
     def __post_init__(self) -> None:
-        """Check every field.
-
-        Raises:
-            InputError: a field has a value that is not allowed.
-        """
+        """Check every field."""
         kinds = {"control": Control, "sensors": Sensors, "reward": Reward, "info": Info, "force_sensor": ForceSensor}
         for name, kind in kinds.items():
             check_choice(name, getattr(self, name), get_args(kind))
@@ -144,11 +140,7 @@ class Configuration:
             plant_of(self.plant)  # one that is named is not imported before it is to move
 
     def _check_estimator(self) -> None:
-        """The estimator is one of the model's, or the user's own.
-
-        Raises:
-            InputError: it is something else.
-        """
+        """The estimator is one of the model's, or the user's own."""
         model = model_named(self.model)
         names = (*model.estimators, NO_ESTIMATOR)
         if self.estimator is not None and self._estimator_name() not in names and self.own_estimator is None:
@@ -156,11 +148,7 @@ class Configuration:
             raise InputError(f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}")
 
     def _check_exactness(self) -> None:
-        """Contacts, and a filter with two condyles, are of known anatomy and have a load cell.
-
-        Raises:
-            InputError: something else is asked for.
-        """
+        """Contacts, and a filter with two condyles, are of known anatomy and have a load cell."""
         model = model_named(self.model)
         if self.filter_model != "bilateral" and model.plant != "contact":
             return
@@ -175,11 +163,7 @@ class Configuration:
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> Configuration:
-        """A configuration from a mapping: ``env``, as `jawenv.ladder.env_id_of` takes it, and arguments.
-
-        Raises:
-            InputError: an unknown environment or argument, or a value that is not allowed.
-        """
+        """A configuration from a mapping: ``env``, as `jawenv.ladder.env_id_of` takes it, and arguments."""
         env_id = env_id_of(mapping.get("env", DEFAULT_ENV))
         return configure(registered_arguments(env_id) | {key: value for key, value in mapping.items() if key != "env"})
 
@@ -199,9 +183,6 @@ class Configuration:
         """Plain values with which ``gymnasium.make`` makes the same of the id: those that are not its own.
 
         Control, sensors, cohort and length are always there.
-
-        Raises:
-            InputError: an estimator or a plant of one's own that is an object, and so no plain value.
         """
         own = configure({"control": self.control} | registered_arguments(self.env_id))
         changed = [
@@ -244,11 +225,7 @@ class Configuration:
 
     @property
     def own_plant(self) -> Plant | None:
-        """The user's plant, of which every episode has a copy; where it is named, its module is imported.
-
-        Raises:
-            InputError: there is none of that name, or tissue is to creep or be excited in one that does not take it.
-        """
+        """The user's plant, of which every episode has a copy; where it is named, its module is imported."""
         if self.plant is None:
             return None
         plant = plant_of(self.plant)
@@ -328,11 +305,7 @@ def described() -> str:
 
 
 def plain_value(name: str, value: object) -> Any:
-    """An argument as text, numbers and mappings: of a file its content.
-
-    Raises:
-        InputError: it is not allowed, or a file cannot be read or is damaged.
-    """
+    """An argument as text, numbers and mappings: of a file its content."""
     return _plain(name, getattr(configure({name: value}), name))
 
 

@@ -41,10 +41,6 @@ class Fork:
         believed: whether a copy's truth is what the filter believes (certainty equivalence): muscles, nuisances and
             disturbance at the belief's mean, the filtered motion, the filter's own geometry, no effect that the filter
             does not know; otherwise it is the world's own.
-
-    Raises:
-        InputError: worlds that are moved by another physics engine, which cannot be copied, or that show the belief of
-            another filter than the device's.
     """
 
     def __init__(self, simulation: Any, copies: int, *, reward: Any, believed: bool) -> None:

@@ -157,9 +157,6 @@ class JawEnv(gym.Env[Observation, Action]):
             options: ``{"patient": ...}`` with a ``Patient``, a mapping of its fields or the path of a file;
                 ``{"episode_key": ...}`` to begin the episode again whose ``info`` has it; ``{"asked": ...}`` as the
                 argument, for this episode.
-
-        Raises:
-            InputError: the seed or an option is not allowed, or the patient is not usable.
         """
         given = checked_options(options, ("patient", "episode_key", "asked"))
         patient = checked_patient(given.get("patient"), "option patient")
@@ -180,12 +177,7 @@ class JawEnv(gym.Env[Observation, Action]):
         return self.simulation.observation[0].copy(), self.simulation.reader.first()
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One control period. After the end of the episode it warns, and nothing moves any more.
-
-        Raises:
-            InputError: the action has another shape than (4,), or a component that is no number in [-1, 1]; or an
-                estimator of the user's gives no belief.
-        """
+        """One control period. After the end of the episode it warns, and nothing moves any more."""
         if not self._begun:
             raise gym.error.ResetNeeded("call reset() before step()")
         checked = checked_action(action)
@@ -222,9 +214,6 @@ class JawEnv(gym.Env[Observation, Action]):
         """Go back to a snapshot of this environment, or of another one that was made alike; any number of times.
 
         Pictures keep their trace of the time before.
-
-        Raises:
-            InputError: something else, or a snapshot of an environment with other arguments.
         """
         restore_snapshot(self, snapshot)
         if self._renderer is not None and self._begun:

@@ -56,9 +56,6 @@ class HeldWrench:
 
     Args:
         plant: which is moved.
-
-    Raises:
-        InputError: its ``step_s`` does not divide a tick.
     """
 
     def __init__(self, plant: Any) -> None:
@@ -118,11 +115,7 @@ class MovedPlants:
         """(N,) the plants of the present episodes; None where none has begun, or where it has failed."""
 
     def reset(self, chosen: NDArray[np.bool_]) -> None:
-        """Put the jaws of the chosen worlds at rest, and read them.
-
-        Raises:
-            InputError: a plant that gives no motion, or rests where the device cannot treat it.
-        """
+        """Put the jaws of the chosen worlds at rest, and read them."""
         plants = list(self.each)
         for i in np.flatnonzero(chosen).tolist():
             plants[i] = copy.deepcopy(self._plant)

@@ -25,34 +25,22 @@ __all__ = ["EpisodeStart", "OwnEstimator", "OwnEstimators", "is_own_estimator"]
 
 @dataclass(frozen=True, eq=False)
 class EpisodeStart:
-    """The start of an episode, before the first reading; names and units are those of a ``Record``.
+    """The start of an episode, before the first reading; names and units are those of a ``Record``."""
 
-    Attributes:
-        parameter_names: p names, as ``log_F_o/masseter_left``.
-        prior: belief about the p natural-log parameters.
-        jaw: geometry and mass as the filter believes them, a record of dtype ``jaw_dtype``.
-        start_mean: (n,) believed motion (q, u).
-        start_sd: (n,) its sd; 0 for a coordinate that cannot move.
-        tick_s: s from one update to the next.
-        ticks_per_step: updates in a step; observation and reward read the belief after the last of them.
-        measurement_sd: (12,) noise of the encoders.
-        wrench_sd: (6,) sd of the wrench not known, anew in each tick: what no model explains, and the noise of the mean
-            of a tick's load-cell samples.
-        cell_sd: (6,) sd of the latter alone.
-        gain_sd: sd of the load cell's relative gain error, one value for the episode.
-    """
-
-    parameter_names: tuple[str, ...]
-    prior: Prior
-    jaw: Any
-    start_mean: Array
-    start_sd: Array
-    tick_s: float
-    ticks_per_step: int
-    measurement_sd: Array
+    parameter_names: tuple[str, ...]  # p names, as ``log_F_o/masseter_left``
+    prior: Prior  # belief about the p natural-log parameters
+    jaw: Any  # geometry and mass as the filter believes them, a record of dtype ``jaw_dtype``
+    start_mean: Array  # (n,) believed motion (q, u)
+    start_sd: Array  # (n,) its sd; 0 for a coordinate that cannot move
+    tick_s: float  # s from one update to the next
+    ticks_per_step: int  # updates in a step; observation and reward read the belief after the last of them
+    measurement_sd: Array  # (12,) noise of the encoders
     wrench_sd: Array
-    cell_sd: Array
-    gain_sd: float
+    """(6,) sd of the wrench not known, anew in each tick: what no model explains, and the noise of the mean of a
+    tick's load-cell samples.
+    """
+    cell_sd: Array  # (6,) sd of the latter alone
+    gain_sd: float  # sd of the load cell's relative gain error, one value for the episode
 
 
 @runtime_checkable
@@ -125,9 +113,6 @@ class OwnEstimators:
             ticks: (N, ticks) what was read.
             chosen: (N,).
             starts: one for each chosen world.
-
-        Raises:
-            InputError: a belief that is none. The worlds are as they were.
         """
         self._failed |= chosen
         for i, start in zip(np.flatnonzero(chosen).tolist(), starts, strict=True):
@@ -139,11 +124,7 @@ class OwnEstimators:
     def after_step(
         self, worlds: NDArray[np.void], ticks: NDArray[np.void], active: NDArray[np.bool_], ticks_per_step: int
     ) -> None:
-        """Give the active worlds' readings of a step to their estimators, and the beliefs to their records.
-
-        Raises:
-            InputError: a belief that is none. The records hold that of the device's filter.
-        """
+        """Give the active worlds' readings of a step to their estimators, and the beliefs to their records."""
         self._failed |= active
         for i in np.flatnonzero(active).tolist():
             last = int(worlds["known"]["tick"][i])
@@ -169,11 +150,7 @@ class OwnEstimators:
 
 
 def checked_belief(estimator: Any, parameters: int) -> tuple[Array, Array]:
-    """Mean (p,) and covariance (p, p) of an estimator.
-
-    Raises:
-        InputError: it has no belief, or one of other shapes, with numbers that are not finite, or not symmetric.
-    """
+    """Mean (p,) and covariance (p, p) of an estimator."""
     name, allowed = type(estimator).__name__, f"mean ({parameters},) and covariance ({parameters}, {parameters})"
     value = getattr(estimator, "belief", None)
     try:

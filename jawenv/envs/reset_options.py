@@ -30,11 +30,7 @@ __all__ = [
 
 
 def checked_options(options: object, allowed: Sequence[str]) -> Mapping[str, Any]:
-    """The options of ``reset``; empty for None.
-
-    Raises:
-        InputError: no mapping, or an option that is not among the allowed.
-    """
+    """The options of ``reset``; empty for None."""
     if options is None:
         return {}
     if not isinstance(options, Mapping):
@@ -51,19 +47,12 @@ def checked_patient(patient: object, name: str) -> Patient | None:
     Args:
         patient: what came from outside.
         name: what the message calls it.
-
-    Raises:
-        InputError: none of these, or a patient that is not usable.
     """
     return None if patient is None else instance_of(Patient, patient, name)
 
 
 def checked_seed(value: object) -> int | None:
-    """A seed as an int, or None.
-
-    Raises:
-        InputError: anything but a whole number, 0 or more.
-    """
+    """A seed as an int, or None."""
     if value is None:
         return None
     seed = whole_number(value)
@@ -73,11 +62,7 @@ def checked_seed(value: object) -> int | None:
 
 
 def checked_seeds(value: object, number: int) -> list[int | None]:
-    """Seeds of N worlds: s + i of a whole number s, or the entries of a sequence.
-
-    Raises:
-        InputError: a sequence of another length, or what is no seed.
-    """
+    """Seeds of N worlds: s + i of a whole number s, or the entries of a sequence."""
     if isinstance(value, Sequence | np.ndarray):
         seeds = [checked_seed(entry) for entry in value]
         if len(seeds) != number:
@@ -88,11 +73,7 @@ def checked_seeds(value: object, number: int) -> list[int | None]:
 
 
 def checked_patients(patients: object, number: int) -> list[Patient | None]:
-    """A patient or None for each of N worlds; none are given by None.
-
-    Raises:
-        InputError: no sequence of N entries, or one that is no patient.
-    """
+    """A patient or None for each of N worlds; none are given by None."""
     if patients is None:
         return [None] * number
     if isinstance(patients, str) or not isinstance(patients, Sequence):
@@ -103,11 +84,7 @@ def checked_patients(patients: object, number: int) -> list[Patient | None]:
 
 
 def checked_questions(asked: object, number: int, configuration: Configuration) -> list[str | None]:
-    """What each of N worlds asks for, given for all or one by one; None for the configuration's.
-
-    Raises:
-        InputError: a sequence of another length, no muscles of the model, or an environment that does not ask.
-    """
+    """What each of N worlds asks for, given for all or one by one; None for the configuration's."""
     questions = list(asked) if isinstance(asked, Sequence) and not isinstance(asked, str) else [asked] * number
     if len(questions) != number:
         raise InputError(f"option asked has {len(questions)} entries; allowed: {number}")
@@ -117,22 +94,14 @@ def checked_questions(asked: object, number: int, configuration: Configuration) 
 
 
 def checked_mask(mask: object, number: int) -> NDArray[np.bool_]:
-    """Which of N worlds begin anew.
-
-    Raises:
-        InputError: anything but an array of N booleans.
-    """
+    """Which of N worlds begin anew."""
     if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (number,):
         raise InputError(f"option reset_mask is {shown(mask)}; allowed: a bool array of shape ({number},)")
     return mask
 
 
 def checked_keys(keys: object, shape: tuple[int, ...], name: str) -> NDArray[np.uint64] | None:
-    """Keys of episodes that were played before, as ``info["episode_key"]`` has them; None draws new ones.
-
-    Raises:
-        InputError: anything but whole numbers from 0 to 2**63 - 1, of this shape.
-    """
+    """Keys of episodes that were played before, as ``info["episode_key"]`` has them; None draws new ones."""
     if keys is None:
         return None
     array = np.asarray(keys)

@@ -209,9 +209,6 @@ class Simulation:
             patients: A patient per world, or None where one is to be drawn from the cohort.
             keys: (N, 2) of all random numbers of the episodes; only those of chosen worlds are read.
             asked: The muscles that each world asks for, or None for the configuration's.
-
-        Raises:
-            InputError: a given patient has no rest pose that the device can treat.
         """
         numbers = np.flatnonzero(chosen)
         ticks = self.ticks[:, 0], self.paths[:, 0]
@@ -300,11 +297,7 @@ class Simulation:
         self._track_bound(chosen)
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
-        """One control period of every active world with ``actions`` (N, 4) in [-1, 1].
-
-        Raises:
-            InputError: an estimator of the user's gives no belief, or a plant no motion.
-        """
+        """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
         own = self.own_estimators
         if own is not None:
             own.before_step(self.worlds, active)

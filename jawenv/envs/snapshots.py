@@ -14,21 +14,13 @@ from jawenv.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The full state of an environment, which decides its future; made by ``env.snapshot()``, never changed by its use.
+    """The full state of an environment, which decides its future; ``env.snapshot()`` makes it, nothing changes it."""
 
-    Attributes:
-        kind: what the environment is: only an environment of the same is restored from it.
-        arrays: worlds, the filter's jaws, readings, truths and observation.
-        plants: those that Python moves; None where none does.
-        estimators: state of the user's estimators; None without.
-        attributes: the environment's own, by name.
-    """
-
-    kind: tuple[Any, ...]
-    arrays: tuple[NDArray[Any], ...]
-    plants: Any
-    estimators: Any
-    attributes: dict[str, Any]
+    kind: tuple[Any, ...]  # what the environment is: only an environment of the same is restored from it
+    arrays: tuple[NDArray[Any], ...]  # worlds, the filter's jaws, readings, truths and observation
+    plants: Any  # those that Python moves; None where none does
+    estimators: Any  # state of the user's estimators; None without
+    attributes: dict[str, Any]  # the environment's own, by name
 
 
 def take_snapshot(env: Any, names: tuple[str, ...]) -> Snapshot:
@@ -42,11 +34,7 @@ def take_snapshot(env: Any, names: tuple[str, ...]) -> Snapshot:
 
 
 def restore_snapshot(env: Any, snapshot: Any) -> None:
-    """Bring an environment into the state of a snapshot.
-
-    Raises:
-        InputError: no snapshot, or one of an environment with another form, number of worlds or arguments.
-    """
+    """Bring an environment into the state of a snapshot."""
     if not isinstance(snapshot, Snapshot):
         raise InputError(f"snapshot is a {type(snapshot).__name__}; allowed: what snapshot() has returned")
     if snapshot.kind != _kind(env):

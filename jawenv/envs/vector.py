@@ -149,9 +149,6 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         """Start episodes in all worlds, or in those of ``options["reset_mask"]``.
 
         A reset that raises leaves all worlds as they were.
-
-        Raises:
-            InputError: an option is unknown or has the wrong shape, or a patient is not usable.
         """
         checked = checked_options(options, ("patients", "reset_mask", "episode_keys", "asked"))
         mask = checked.get("reset_mask")
@@ -202,11 +199,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         self._begin(chosen, [None] * self.num_envs, self._generators)
 
     def step(self, actions: NDArray[np.float32]) -> StepBatch:
-        """One control period of every world; ``actions`` (N, 4).
-
-        Raises:
-            InputError: the actions have another shape than (N, 4), or a component that is no number in [-1, 1].
-        """
+        """One control period of every world; ``actions`` (N, 4)."""
         if not self._begun:
             raise error.ResetNeeded("call reset() before step()")
         checked = checked_actions(actions, (self.num_envs, N_MOTORS))
@@ -241,11 +234,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         return take_snapshot(self, _STATE)
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Go back to a snapshot of this environment, or of another one that was made alike; any number of times.
-
-        Raises:
-            InputError: something else, or a snapshot of an environment with other arguments.
-        """
+        """Go back to a snapshot of this environment, or of another one that was made alike; any number of times."""
         restore_snapshot(self, snapshot)
 
     def _restart(self, final_info: dict[str, Any]) -> dict[str, Any]:

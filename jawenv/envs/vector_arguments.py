@@ -15,11 +15,7 @@ __all__ = ["checked_autoreset_mode", "checked_num_envs", "checked_steps", "enoug
 
 
 def checked_num_envs(value: object) -> int:
-    """How many worlds.
-
-    Raises:
-        InputError: anything but a whole number, 1 or more.
-    """
+    """How many worlds."""
     number = whole_number(value)
     if number is None or number < 1:
         raise InputError(f"num_envs is {shown(value)}; allowed: a whole number, 1 or more")
@@ -28,11 +24,7 @@ def checked_num_envs(value: object) -> int:
 
 @contextmanager
 def enough_memory(num_envs: int) -> Iterator[None]:
-    """Around the allocation of the worlds.
-
-    Raises:
-        InputError: their arrays do not fit the memory, or are longer than any array can be.
-    """
+    """Around the allocation of the worlds."""
     try:
         yield
     except InputError:
@@ -42,11 +34,7 @@ def enough_memory(num_envs: int) -> Iterator[None]:
 
 
 def checked_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
-    """Gymnasium's mode, or the one of a name.
-
-    Raises:
-        InputError: no mode has that name.
-    """
+    """Gymnasium's mode, or the one of a name."""
     if isinstance(mode, AutoresetMode):
         return mode
     names = [member.name.lower() for member in AutoresetMode]
@@ -56,11 +44,7 @@ def checked_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
 
 
 def checked_steps(value: object) -> float:
-    """The most steps of an episode; infinite for None, and for -1 as ``gymnasium.make`` takes it.
-
-    Raises:
-        InputError: anything else but a whole number, 1 or more.
-    """
+    """The most steps of an episode; infinite for None, and for -1 as ``gymnasium.make`` takes it."""
     if value is None:
         return math.inf
     steps = whole_number(value)

@@ -32,47 +32,28 @@ WHOLE_TICKS = 1500.0
 
 
 class Geometry(NamedTuple):
-    """A patient as the filter knows him.
+    """A patient as the filter knows him."""
 
-    Attributes:
-        jaw: record of dtype ``jaw_dtype``.
-        muscles: the jaw's; they matter where there are nuisances.
-        prior: of the parameters.
-        knowledge: what is known within sds.
-        sds: one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them.
-        upright: the jaw about which sds are taken.
-        force: sds of the errors of a force that no load cell reads, and the device's record; None where one does.
-    """
-
-    jaw: Any
-    muscles: MuscleSet | None
-    prior: Any
-    knowledge: Knowledge
-    sds: list[Unknowns]
-    upright: Any
+    jaw: Any  # record of dtype ``jaw_dtype``
+    muscles: MuscleSet | None  # the jaw's; they matter where there are nuisances
+    prior: Any  # of the parameters
+    knowledge: Knowledge  # what is known within sds
+    sds: list[Unknowns]  # one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them
+    upright: Any  # the jaw about which sds are taken
     force: tuple[Array, Any] | None = None
+    """Sds of the errors of a force that no load cell reads, and the device's record; None where one does."""
 
 
 class Noise(NamedTuple):
-    """Noise of a device and of the disturbance, as the filter believes them.
+    """Noise of a device and of the disturbance, as the filter believes them."""
 
-    Attributes:
-        dt: length of a tick, s.
-        measurement_sd: (12,) of the encoders.
-        wrench_variance: (6,) of the wrench that is new in every tick.
-        cell_sd: (6,) of a reading of the load cell, as half of its variance.
-        gain_sd: of the load cell.
-        disturbance_sd: (6,) of the wrench that lasts.
-        disturbance_time_s: for how long; 0 where none lasts.
-    """
-
-    dt: float
-    measurement_sd: Array
-    wrench_variance: Array
-    cell_sd: Array
-    gain_sd: float
-    disturbance_sd: Array
-    disturbance_time_s: float
+    dt: float  # length of a tick, s
+    measurement_sd: Array  # (12,) of the encoders
+    wrench_variance: Array  # (6,) of the wrench that is new in every tick
+    cell_sd: Array  # (6,) of a reading of the load cell, as half of its variance
+    gain_sd: float  # of the load cell
+    disturbance_sd: Array  # (6,) of the wrench that lasts
+    disturbance_time_s: float  # for how long; 0 where none lasts
 
 
 def wrench_variances(device: Device, force_sensor: ForceSensor) -> Array:

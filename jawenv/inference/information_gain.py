@@ -24,19 +24,16 @@ DEGREES_OF_FREEDOM = 10
 
 @dataclass(frozen=True)
 class InformationGain:
-    """The information of one record about its patient, nats; means over patients of the law bound the expected gain.
-
-    Attributes:
-        lower: contrastive lower bound; NaN without contrasts.
-        upper: contrastive upper bound; likewise.
-        posterior: Barber and Agakov's lower bound, with the belief as the posterior.
-        effective: effective number of contrasts: near 1 the contrastive bounds are far apart.
-    """
+    """The information of one record about its patient, nats; means over patients of the law bound the expected gain."""
 
     lower: float
+    """Contrastive lower bound; NaN without contrasts."""
     upper: float
+    """Contrastive upper bound; likewise."""
     posterior: float
+    """Barber and Agakov's lower bound, with the belief as the posterior."""
     effective: float
+    """Effective number of contrasts: near 1 the contrastive bounds are far apart."""
 
 
 def contrastive_bounds(log_likelihoods: ArrayLike, log_weights: ArrayLike | None = None) -> tuple[Array, Array]:

@@ -23,19 +23,16 @@ DRAWS = 20_000
 
 @dataclass(frozen=True, eq=False)
 class PatientLaw:
-    """The joint law of the patients whom ``reset`` draws: a cohort's, of those whom the device can treat.
-
-    Attributes:
-        cohort: with the muscles of the environment's model, p parameters.
-        env_id: the environment.
-        share: of the cohort that the device can treat, in (0, 1], estimated.
-        entropy: differential, of the natural-log parameters, nats, estimated.
-    """
+    """The joint law of the patients whom ``reset`` draws: a cohort's, of those whom the device can treat."""
 
     cohort: Cohort
+    """With the muscles of the environment's model, p parameters."""
     env_id: str
+    """The environment."""
     share: float
+    """Of the cohort that the device can treat, in (0, 1], estimated."""
     entropy: float
+    """Differential, of the natural-log parameters, nats, estimated."""
 
     @classmethod
     def of(

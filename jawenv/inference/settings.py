@@ -25,9 +25,6 @@ def configuration_of(env_id: str, env_kwargs: Mapping[str, Any] | None, own: Map
         env_id: a registered id.
         env_kwargs: arguments of the environment.
         own: those that the caller sets itself.
-
-    Raises:
-        InputError: another id, an argument that the caller sets itself, or what the environment refuses.
     """
     spec = gym.registry.get(env_id)
     if spec is None or spec.entry_point != "jawenv.envs.jaw:JawEnv":
@@ -44,11 +41,7 @@ def configuration_of(env_id: str, env_kwargs: Mapping[str, Any] | None, own: Map
 
 
 def log_parameters(theta: ArrayLike, size: int) -> Array:
-    """Parameters as floats of shape (n, ``size``).
-
-    Raises:
-        InputError: another shape, or a value that is no finite number.
-    """
+    """Parameters as floats of shape (n, ``size``)."""
     try:
         values = np.array(theta, dtype=np.float64)
     except (TypeError, ValueError):

@@ -35,27 +35,24 @@ class Simulations:
 
     There is nothing of patients who cannot be treated, and after an episode has ended before its time. SI units, m
     states of the motion as the filter's model has them.
-
-    Attributes:
-        theta: (n, p) natural-log parameters, as they were given.
-        time: (T + 1,) s.
-        measured: (n, T + 1, 12) encoders, as ``Record`` has them.
-        samples: (n, T, 3, 6) load cell, likewise.
-        states: (n, T + 1, m) true motion; None where it was not asked for.
-        wrenches: (n, T, 3, 6) true wrench of the device, likewise.
-        ticks: (n,) ticks that the episode lasted; -1 where the patient cannot be treated.
-        records: n records, as every estimator of ``jawenv.laboratory`` takes them; None
-            where the patient cannot be treated.
     """
 
     theta: Array
+    """(n, p) natural-log parameters, as they were given."""
     time: Array
+    """(T + 1,) s."""
     measured: Array
+    """(n, T + 1, 12) encoders, as ``Record`` has them."""
     samples: Array
+    """(n, T, 3, 6) load cell, likewise."""
     states: Array | None
+    """(n, T + 1, m) true motion; None where it was not asked for."""
     wrenches: Array | None
+    """(n, T, 3, 6) true wrench of the device, likewise."""
     ticks: NDArray[np.int64]
+    """(n,) ticks that the episode lasted; -1 where the patient cannot be treated."""
     records: tuple[Record | None, ...]
+    """N records, as every estimator of ``jawenv.laboratory`` takes them; None where the patient cannot be treated."""
 
     @property
     def treatable(self) -> Mask:

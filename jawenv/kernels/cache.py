@@ -43,11 +43,7 @@ UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
 
 @cache
 def cache_folder() -> Path:
-    """Where compiled kernels are kept: ``JAWENV_CACHE_DIR``, or jawenv's folder in the user's cache.
-
-    Raises:
-        InputError: another user owns it or may write there; what lies there is run.
-    """
+    """Where compiled kernels are kept: ``JAWENV_CACHE_DIR``, or jawenv's folder in the user's cache."""
     folder = Path(os.environ.get("JAWENV_CACHE_DIR") or user_cache_dir("jawenv")) / "kernels"
     for place, sticky in ((folder, False), (folder.parent, True)):
         if _others_may_write(place, sticky):
@@ -186,11 +182,7 @@ class KernelCache:
         self._function, self._linked = function, linked
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kernel for these types, None where it has to be compiled; then says so on stderr.
-
-        Raises:
-            InputError: it has to be compiled, and cannot be kept.
-        """
+        """The kernel for these types, None where it has to be compiled; then says so on stderr."""
         target_context.refresh()
         path = self._path(sig, target_context.codegen())
         content = _checked_content(path)
@@ -203,11 +195,7 @@ class KernelCache:
             return CompileResult._rebuild(target_context, *pickle.loads(content))
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep a compiled kernel.
-
-        Raises:
-            InputError: it cannot be written.
-        """
+        """Keep a compiled kernel."""
         content = dumps(data._reduce())
         with atomic_write(self._path(sig, data.codegen)) as unfinished:
             unfinished.write_bytes(hashlib.sha256(content).digest() + content)
@@ -237,11 +225,7 @@ def _make(folder: Path) -> None:
 
 
 def _make_writable(folder: Path) -> None:
-    """Make a kernel's folder.
-
-    Raises:
-        InputError: it cannot be made or written.
-    """
+    """Make a kernel's folder."""
     try:
         _make(folder)
         with tempfile.TemporaryFile(dir=folder):

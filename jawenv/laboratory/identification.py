@@ -22,25 +22,15 @@ EVERY = 5
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """The identification of a recording.
+    """The identification of a recording."""
 
-    Attributes:
-        estimate: the belief over time.
-        rows: at which something of the encoders was read.
-        refused: rows whose readings the filter's gate did not learn from.
-        numbers: read by encoders and load cell.
-        left_out: numbers out of range, or of a frozen sensor.
-        misfit: the filter's alarm; it rings above 1.
-        findings: what the recording shows before the filter.
-    """
-
-    estimate: Estimate
-    rows: int
-    refused: int
-    numbers: int
-    left_out: int
-    misfit: float
-    findings: tuple[Finding, ...]
+    estimate: Estimate  # the belief over time
+    rows: int  # at which something of the encoders was read
+    refused: int  # rows whose readings the filter's gate did not learn from
+    numbers: int  # read by encoders and load cell
+    left_out: int  # numbers out of range, or of a frozen sensor
+    misfit: float  # the filter's alarm; it rings above 1
+    findings: tuple[Finding, ...]  # what the recording shows before the filter
 
     @property
     def doubts(self) -> list[str]:

@@ -44,25 +44,16 @@ STEEPEST_TILT = 90.0  # degrees
 
 @dataclass(frozen=True, eq=False)
 class OnlineBelief:
-    """The belief after a tick about p parameters, whose natural logs are normal.
+    """The belief after a tick about p parameters, whose natural logs are normal."""
 
-    Attributes:
-        names: p names, as ``log_F_o/masseter_left``.
-        time_s: of the tick's end, from the first reading.
-        log_mean: (p,) mean of the natural logs.
-        log_cov: (p, p) their covariance.
-        misfit: the alarm, above 1 where no parameters explain the readings, or the belief moves by more than it claims.
-        gated: ticks so far whose readings were refused.
-        left_out: readings of this tick that were missing, out of range or frozen.
-    """
-
-    names: tuple[str, ...]
-    time_s: float
-    log_mean: Array
-    log_cov: Array
+    names: tuple[str, ...]  # p names, as ``log_F_o/masseter_left``
+    time_s: float  # of the tick's end, from the first reading
+    log_mean: Array  # (p,) mean of the natural logs
+    log_cov: Array  # (p, p) their covariance
     misfit: float
-    gated: int
-    left_out: int
+    """The alarm, above 1 where no parameters explain the readings, or the belief moves by more than it claims."""
+    gated: int  # ticks so far whose readings were refused
+    left_out: int  # readings of this tick that were missing, out of range or frozen
 
     @property
     def log_sd(self) -> Array:
@@ -104,16 +95,14 @@ class OnlineFilter:
             sds of mass and inertia are relative to the default mandible's.
         every: Ticks from one belief to the next; 5 as in the environments at 20 Hz.
 
-    Attributes:
-        names: Names of the parameters.
-        tick_s: s from one update to the next.
-
     Raises:
         InputError: an argument has a value that is not allowed.
     """
 
     names: tuple[str, ...]
+    """Names of the parameters."""
     tick_s: float
+    """S from one update to the next."""
 
     def __init__(
         self,

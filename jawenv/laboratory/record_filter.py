@@ -26,9 +26,6 @@ class TensionFilter:
 
     Args:
         every: Ticks from one belief to the next; 5 as in the environments at 20 Hz.
-
-    Raises:
-        InputError: ``every`` is less than 1.
     """
 
     name = "tension filter"
@@ -59,21 +56,13 @@ class TensionFilter:
 
 
 class Arguments(NamedTuple):
-    """Arguments of the kernels that filter a record; the dtypes are in ``tick`` and ``state``.
+    """Arguments of the kernels that filter a record; the dtypes are in ``tick`` and ``state``."""
 
-    Attributes:
-        jaw: the model.
-        belief: state of the filter, before the first reading.
-        rows: (T + 1,) the readings.
-        settings: of dtype ``filter_settings_dtype``.
-        scratch: working memory.
-    """
-
-    jaw: Any
-    belief: Any
-    rows: Any
-    settings: Any
-    scratch: Any
+    jaw: Any  # the model
+    belief: Any  # state of the filter, before the first reading
+    rows: Any  # (T + 1,) the readings
+    settings: Any  # of dtype ``filter_settings_dtype``
+    scratch: Any  # working memory
 
 
 class FilterRun:
@@ -81,9 +70,6 @@ class FilterRun:
 
     Args:
         record: the record.
-
-    Raises:
-        InputError: geometry or disturbance are not exactly known.
 
     Attributes:
         arguments: as the kernels take them.

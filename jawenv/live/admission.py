@@ -72,11 +72,7 @@ class AccessRules:
 
     @contextlib.contextmanager
     def installed(self) -> Iterator[None]:
-        """Admit to the server that viser makes in this block.
-
-        Raises:
-            InputError: viser has made it in another way than its version 1.1 does.
-        """
+        """Admit to the server that viser makes in this block."""
         serve, made = websockets_server.serve, []
 
         def guarded(handler: Any, *args: Any, process_request: Any, **options: Any) -> Any:

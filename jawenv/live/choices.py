@@ -50,11 +50,7 @@ class Choices:
             gui.add_button("New episode").on_click(leave(change))
 
     def setup(self) -> Setup:
-        """What is chosen.
-
-        Raises:
-            InputError: choices that do not fit each other.
-        """
+        """What is chosen."""
         values = {name: field.value for name, field in self.fields.items()}
         seed = int(values.pop("seed"))
         patient = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._knowledge[values["knowledge"]]}

@@ -37,11 +37,7 @@ class Deciding:
         self._state: State = None
 
     def try_out(self, observation: Observation) -> None:
-        """Let the agent answer an observation (size,), and forget it.
-
-        Raises:
-            InputError: the agent refuses it.
-        """
+        """Let the agent answer an observation (size,), and forget it."""
         self._decide(observation)
         self.begin()
 
@@ -51,9 +47,6 @@ class Deciding:
         Args:
             observation: (size,) at its begin.
             asked: (4,) targets for the end of the step before.
-
-        Raises:
-            InputError: the agent refuses the observation.
         """
         since = self._step % self._every
         if since == 0:

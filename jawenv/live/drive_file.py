@@ -28,9 +28,6 @@ def maneuver_of_drive(name: str, times: Sequence[float], targets: Sequence[Array
         name: of the maneuver, lower case with underscores.
         times: when each was to be reached, s, increasing and above 0.
         targets: (4,) each, as fractions of the patient's comfort.
-
-    Raises:
-        InputError: nothing was driven.
     """
     if not times:
         raise InputError("drive: nothing was driven; allowed: one step or more")
@@ -48,11 +45,7 @@ def maneuver_of_drive(name: str, times: Sequence[float], targets: Sequence[Array
 
 
 def write_maneuver(path: Path, maneuver: Maneuver) -> None:
-    """Write a maneuver file.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write a maneuver file."""
     content = maneuver.model_dump(mode="json")
     write_text(path, yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120))
 

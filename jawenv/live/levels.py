@@ -10,19 +10,12 @@ from jawenv.live.setup import Setup
 
 @dataclass(frozen=True)
 class Level:
-    """One level.
+    """One level."""
 
-    Attributes:
-        title: as the page shows it.
-        cohort: name of the patients.
-        knowledge: name of what the filter knows of anatomy and device.
-        hidden_s: time at the begin in which no bars are shown, s.
-    """
-
-    title: str
-    cohort: str
-    knowledge: str = "exact"
-    hidden_s: float = 0.0
+    title: str  # as the page shows it
+    cohort: str  # name of the patients
+    knowledge: str = "exact"  # name of what the filter knows of anatomy and device
+    hidden_s: float = 0.0  # time at the begin in which no bars are shown, s
 
 
 GAME = (

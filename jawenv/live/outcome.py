@@ -28,23 +28,15 @@ LARGEST_DISCOMFORT_S = 0.1  # in 30 s, as for the ranking of a comparison
 
 @dataclass(frozen=True)
 class DriveOutcome:
-    """The outcome of one drive of one patient.
+    """The outcome of one drive of one patient."""
 
-    Attributes:
-        name: who drove.
-        time_to_s: for each of ``KNOWN`` the time until all parameters were known so well; infinite if never.
-        worst_sd: largest standard deviation at the end.
-        discomfort_s: integral of the cost over time, s.
-        duration_s: length of the drive.
-        violated: whether a hard limit was crossed.
-    """
-
-    name: str
+    name: str  # who drove
     time_to_s: tuple[float, float]
-    worst_sd: float
-    discomfort_s: float
-    duration_s: float
-    violated: bool
+    """For each of ``KNOWN`` the time until all parameters were known so well; infinite if never."""
+    worst_sd: float  # largest standard deviation at the end
+    discomfort_s: float  # integral of the cost over time, s
+    duration_s: float  # length of the drive
+    violated: bool  # whether a hard limit was crossed
 
     @property
     def within_comfort(self) -> bool:

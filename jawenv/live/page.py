@@ -49,9 +49,6 @@ class Page:
         driver: who drives at first: ``you``, an agent or a maneuver.
         agents: who may drive beside the maneuvers and jawenv's own policies, and is in the score; see
             `jawenv.live.session.DriveSession`.
-
-    Raises:
-        InputError: the setup or the driver is refused.
     """
 
     def __init__(

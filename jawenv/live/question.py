@@ -25,23 +25,14 @@ def stiffness_colours(scene: Scene) -> list[palette.Colour]:
 
 @dataclass(frozen=True)
 class AnsweredMuscle:
-    """A muscle of the answer.
+    """A muscle of the answer."""
 
-    Attributes:
-        muscle: its name.
-        said: whether the player called it stiff.
-        true_F_o_N: the truth.
-        F_o_N: the filter's estimate.
-        sd: standard deviation of the estimate's natural log.
-        limit_N: F_o above which it is stiff.
-    """
-
-    muscle: str
-    said: bool
-    true_F_o_N: float
-    F_o_N: float
-    sd: float
-    limit_N: float
+    muscle: str  # its name
+    said: bool  # whether the player called it stiff
+    true_F_o_N: float  # the truth
+    F_o_N: float  # the filter's estimate
+    sd: float  # standard deviation of the estimate's natural log
+    limit_N: float  # F_o above which it is stiff
 
     @property
     def stiff(self) -> bool:

@@ -33,9 +33,6 @@ class Saves:
 
         Returns:
             Its files.
-
-        Raises:
-            InputError: nothing was driven, the folder cannot be written, or as much is saved as a page may.
         """
         if not self._files or self._steps != session.steps:
             drives, size = len(self._sizes) - bool(self._files), sum(self._sizes.values())

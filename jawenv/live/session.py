@@ -36,27 +36,16 @@ _LIMITS = np.array(LOWEST), HIGHEST
 
 @dataclass(frozen=True)
 class Shown:
-    """One moment, as a page shows it.
+    """One moment, as a page shows it."""
 
-    Attributes:
-        scene: jaw, belief and comfort.
-        targets: (4,) what was asked for, as fractions of the patient's comfort.
-        driver: who drove: ``you``, or the name of a maneuver.
-        outcome: what has been reached so far.
-        misfit: the filter's alarm, above 1 where nothing that it could believe explains the readings.
-        spent_on: comfort limits that cost a tenth or more of the discomfort so far, the dearest first.
-        ended: whether the episode is over.
-        why: why it ended; empty while it goes on.
-    """
-
-    scene: Scene
-    targets: Array
-    driver: str
-    outcome: DriveOutcome
-    misfit: float
-    spent_on: tuple[str, ...]
-    ended: bool
-    why: str
+    scene: Scene  # jaw, belief and comfort
+    targets: Array  # (4,) what was asked for, as fractions of the patient's comfort
+    driver: str  # who drove: ``you``, or the name of a maneuver
+    outcome: DriveOutcome  # what has been reached so far
+    misfit: float  # the filter's alarm, above 1 where nothing that it could believe explains the readings
+    spent_on: tuple[str, ...]  # comfort limits that cost a tenth or more of the discomfort so far, the dearest first
+    ended: bool  # whether the episode is over
+    why: str  # why it ended; empty while it goes on
 
 
 class DriveSession:
@@ -70,9 +59,6 @@ class DriveSession:
         setup: as given.
         agents: as given.
         steering: who says where the jaw is to go.
-
-    Raises:
-        InputError: the environment refuses the setup.
     """
 
     def __init__(self, setup: Setup, agents: Mapping[str, Agent] | None = None) -> None:
@@ -106,10 +92,6 @@ class DriveSession:
 
         Args:
             name: of an agent or a maneuver that comes with jawenv, the path of a maneuver file, or ``you``.
-
-        Raises:
-            InputError: the name stands for nobody, the file cannot be used, or the agent plays another control mode or
-                model than this session.
         """
         if name == BY_HAND:
             # The hand goes on from where the jaw was sent.
@@ -151,9 +133,6 @@ class DriveSession:
 
         Args:
             targets: (4,) where the hand wants the jaw; as before where it is None. A maneuver that drives ignores it.
-
-        Raises:
-            InputError: targets that are out of range.
         """
         if targets is not None:
             self.steering.set_hand(targets)
@@ -214,19 +193,11 @@ class DriveSession:
         return " and ".join(sorted(self._drivers, reverse=True)) or BY_HAND
 
     def maneuver(self, name: str) -> Maneuver:
-        """This episode's drive, as a maneuver.
-
-        Raises:
-            InputError: nothing was driven yet.
-        """
+        """This episode's drive, as a maneuver."""
         return maneuver_of_drive(name, self._times, self._targets)
 
     def record(self) -> Record:
-        """The device's record of this episode.
-
-        Raises:
-            InputError: no step was made.
-        """
+        """The device's record of this episode."""
         if not self._times:
             raise InputError("recording: nothing was driven; allowed: one step or more")
         return record_of(self._env.simulation, 0)
@@ -240,9 +211,6 @@ class DriveSession:
 
         Returns:
             The files.
-
-        Raises:
-            InputError: nothing was driven, or the folder cannot be written.
         """
         try:
             folder.mkdir(parents=True, exist_ok=True)

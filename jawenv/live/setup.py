@@ -16,19 +16,13 @@ SHORTEST_S, LONGEST_S = 1.0, 600.0  # of an episode: the device's readings are k
 
 @dataclass(frozen=True)
 class Setup:
-    """The environment and the patient of a drive.
-
-    Attributes:
-        world: the environment. Targets are what the hand sets in every control mode; in two of them the device's law
-            makes commands of them. It has 20 control steps per second, and keeps what the device measures.
-        seed: of the patient and its noise, as ``reset`` takes it.
-
-    Raises:
-        InputError: a value is not allowed.
-    """
+    """The environment and the patient of a drive."""
 
     world: Configuration = Configuration()
-    seed: int = 0
+    """The environment. Targets are what the hand sets in every control mode; in two of them the device's law makes
+    commands of them. It has 20 control steps per second, and keeps what the device measures.
+    """
+    seed: int = 0  # of the patient and its noise, as ``reset`` takes it
 
     def __post_init__(self) -> None:
         """Check what no environment checks, and set what every drive has."""

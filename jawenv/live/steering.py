@@ -48,9 +48,6 @@ class Steering(Player):
 
         Args:
             targets: (4,) fractions: opening 0 to 1, side, fore-aft and roll -1 to 1.
-
-        Raises:
-            InputError: another shape, or a value that is not in its range.
         """
         try:
             values = np.array(targets, dtype=np.float64)

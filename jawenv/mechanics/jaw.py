@@ -95,9 +95,6 @@ def build_jaw(
 
     Returns:
         A ``numpy`` record of dtype ``jaw_dtype(number of lines)``.
-
-    Raises:
-        InputError: psi or alpha is free alone.
     """
     muscles = muscles or muscle_set()
     mandible = mandible or default_mandible()

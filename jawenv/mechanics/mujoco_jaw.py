@@ -42,19 +42,12 @@ WRAP_RADIUS, WRAP_BULGE = 12e-3, 1.5e-3  # m, of a sphere on the ramus, beyond t
 
 
 class Ligament(NamedTuple):
-    """A ligament of the right side, jaw closed; grade G but for its course (R).
+    """A ligament of the right side, jaw closed; grade G but for its course (R)."""
 
-    Attributes:
-        skull_mm: its end on the skull.
-        mandible_mm: its end on the mandible.
-        slack: strain at which it is taut.
-        stiffness_N_m: beyond.
-    """
-
-    skull_mm: tuple[float, float, float]
-    mandible_mm: tuple[float, float, float]
-    slack: float
-    stiffness_N_m: float
+    skull_mm: tuple[float, float, float]  # its end on the skull
+    mandible_mm: tuple[float, float, float]  # its end on the mandible
+    slack: float  # strain at which it is taut
+    stiffness_N_m: float  # beyond
 
 
 LIGAMENTS = {
@@ -79,11 +72,7 @@ class MujocoJaw:
         self.wraps, self.ligaments = wraps, ligaments
 
     def reset(self, patient: PatientJaw, rng: np.random.Generator) -> Motion:
-        """As ``jawenv.Plant``; nothing is drawn.
-
-        Raises:
-            InputError: the jaw comes to no rest.
-        """
+        """As ``jawenv.Plant``; nothing is drawn."""
         jaw = patient.jaw
         lines = [self.wraps and "masseter" in name for name in patient.line_names]
         self.model = mujoco.MjModel.from_xml_string(_mjcf(jaw, lines, LIGAMENTS if self.ligaments else {}))
@@ -105,11 +94,7 @@ class MujocoJaw:
         self._F_o, self._b = F_o_N, b
 
     def advance(self, wrench: Array, dt: float) -> Motion:
-        """As ``jawenv.Plant``.
-
-        Raises:
-            InputError: ``dt`` is no multiple of ``TIMESTEP``.
-        """
+        """As ``jawenv.Plant``."""
         steps = round(dt / TIMESTEP)
         if steps < 1 or abs(steps * TIMESTEP - dt) > 1e-9:
             raise InputError(f"dt is {dt}; allowed: multiples of {TIMESTEP}")

@@ -45,9 +45,6 @@ def passive_opening(
 
     Returns:
         (n, pulls) or (pulls,); not-a-number where a jaw has no rest position.
-
-    Raises:
-        InputError: another shape of ``theta`` or a value that is not finite, or a pull that is no number, 0 or more.
     """
     lines = muscles or muscle_set()
     rows, size = np.asarray(theta, dtype=np.float64), len(lines.parameter_names)

@@ -39,19 +39,16 @@ STEEPEST_YAW = 0.99  # sine: the Euler angles end at 1
 
 
 class Motion(NamedTuple):
-    """Place and velocity of the mandible at its mouthpiece.
-
-    Attributes:
-        place_m: (3,) of the mouthpiece, head axes.
-        rotation: (3, 3) body to head axes.
-        velocity_m_s: (3,) of the mouthpiece, head axes.
-        angular_velocity_rad_s: (3,) body axes.
-    """
+    """Place and velocity of the mandible at its mouthpiece."""
 
     place_m: Any
+    """(3,) of the mouthpiece, head axes."""
     rotation: Any
+    """(3, 3) body to head axes."""
     velocity_m_s: Any
+    """(3,) of the mouthpiece, head axes."""
     angular_velocity_rad_s: Any
+    """(3,) body axes."""
 
 
 _SHAPES = {"place_m": (3,), "rotation": (3, 3), "velocity_m_s": (3,), "angular_velocity_rad_s": (3,)}
@@ -59,22 +56,20 @@ _SHAPES = {"place_m": (3,), "rotation": (3, 3), "velocity_m_s": (3,), "angular_v
 
 @dataclass(frozen=True, eq=False)
 class PatientJaw:
-    """The patient of an episode, as a model of the jaw needs it, SI units.
-
-    Attributes:
-        jaw: the true mass, attachments, fossa, teeth, gravity and mouthpiece: a record of dtype ``jaw_dtype``, whose
-            fields ``jawenv.mechanics.jaw.Jaw`` names.
-        line_names: n names of muscles, one for each line of action; several lines of a muscle share a name.
-        F_o_N: (n,) passive tension of each line in the closed jaw.
-        b: (n,) its growth with the strain: F_o exp(b (l - l_o) / l_o).
-        rest: where the midline model of this patient rests.
-    """
+    """The patient of an episode, as a model of the jaw needs it, SI units."""
 
     jaw: Any
+    """The true mass, attachments, fossa, teeth, gravity and mouthpiece: a record of dtype ``jaw_dtype``, whose
+    fields ``jawenv.mechanics.jaw.Jaw`` names.
+    """
     line_names: tuple[str, ...]
+    """N names of muscles, one for each line of action; several lines of a muscle share a name."""
     F_o_N: Array
+    """(n,) passive tension of each line in the closed jaw."""
     b: Array
+    """(n,) its growth with the strain: F_o exp(b (l - l_o) / l_o)."""
     rest: Motion
+    """Where the midline model of this patient rests."""
 
 
 @runtime_checkable
@@ -104,11 +99,7 @@ class Plant(Protocol):
 
 
 def checked_motion(value: object, source: str) -> Motion:
-    """A motion with arrays of its own.
-
-    Raises:
-        InputError: something else, or a field of another shape, with a number that is not finite or no rotation.
-    """
+    """A motion with arrays of its own."""
     if not isinstance(value, Motion):
         raise InputError(f"{source} is {shown(value)}; allowed: a jawenv.Motion")
     fields = []
@@ -155,11 +146,7 @@ def motion_at_mouthpiece(motion: BodyMotion, mouthpiece: Array) -> Motion:
 
 
 def plant_of(spec: object) -> Plant:
-    """A plant from itself or from the name ``package.module:Name`` of its class, which is called without arguments.
-
-    Raises:
-        InputError: no such module or class, or none of a plant.
-    """
+    """A plant from itself or from the name ``package.module:Name`` of its class, which is called without arguments."""
     made = spec
     if isinstance(spec, str) and is_named(spec):
         named = import_named(spec, "plant")

@@ -48,19 +48,12 @@ OVERLAP_TIME = 0.01
 
 
 class CondyleContact(NamedTuple):
-    """Contact of condyle and fossa during the last ``advance``.
+    """Contact of condyle and fossa during the last ``advance``."""
 
-    Attributes:
-        touching: at the last step.
-        share: of the steps with contact, 0 to 1.
-        normal: mean normal force (N), at least 0.
-        friction: mean friction on the condyle (N), positive forward along the fossa.
-    """
-
-    touching: bool
-    share: float
-    normal: float
-    friction: float
+    touching: bool  # at the last step
+    share: float  # of the steps with contact, 0 to 1
+    normal: float  # mean normal force (N), at least 0
+    friction: float  # mean friction on the condyle (N), positive forward along the fossa
 
 
 class SagittalJaw:
@@ -74,9 +67,6 @@ class SagittalJaw:
         condyle_radius: of the condyle (m); ``mandible.toml``'s by default.
         step: Time step (s).
         segment: Length of a fossa's segment along the condyle's path (m).
-
-    Raises:
-        InputError: an argument that is not usable.
     """
 
     def __init__(
@@ -168,9 +158,6 @@ class SagittalJaw:
         Args:
             duration: s, a multiple of the step.
             wrench_at: The device's force and moment on the mouthpiece at each step; none by default.
-
-        Raises:
-            InputError: a duration that is not a multiple of the step.
         """
         steps = round(duration / self.step)
         if steps < 1 or abs(steps * self.step - duration) > 1e-9:

@@ -28,37 +28,28 @@ FARTHEST = 4.0  # sds that a nuisance may be from its nominal value, drawn or be
 
 
 class Unknowns(NamedTuple):
-    """Values of all nuisances that are not exactly known, in sds, standard normal.
+    """Values of all nuisances that are not exactly known, in sds, standard normal."""
 
-    Attributes:
-        origin: (lines, 3) attachments.
-        insertion: (lines, 3).
-        numbers: (6,) drop and frequency of the fossa, mass, damping of rotation and sliding, head tilt.
-        centre_of_mass: (3,).
-        mouthpiece: (3,).
-        turn: (3,) of the mouthpiece about the body's axes.
-        offset: (6,) of the load cell.
-        inertia: (1,) the whole tensor. The filter has no column for it: a tenth moves nothing that can be measured.
-        cell_turn: (3,) of the load cell's axes, beside ``turn``.
-        motors: (4, ``N_MOTOR_ERRORS``) of a force that no load cell reads: each motor's gain, Coulomb and viscous
-            friction, and direction about two axes (``device.force_sensor``).
-        tone: (1,) of the closers.
-        inertial: (4,) mass and centre of mass once more, as accelerations show them: the same numbers, which a filter
-            may take for others.
-    """
-
-    origin: NDArray[np.float64]
-    insertion: NDArray[np.float64]
+    origin: NDArray[np.float64]  # (lines, 3) attachments
+    insertion: NDArray[np.float64]  # (lines, 3)
     numbers: NDArray[np.float64]
-    centre_of_mass: NDArray[np.float64]
-    mouthpiece: NDArray[np.float64]
-    turn: NDArray[np.float64]
-    offset: NDArray[np.float64]
+    """(6,) drop and frequency of the fossa, mass, damping of rotation and sliding, head tilt."""
+    centre_of_mass: NDArray[np.float64]  # (3,)
+    mouthpiece: NDArray[np.float64]  # (3,)
+    turn: NDArray[np.float64]  # (3,) of the mouthpiece about the body's axes
+    offset: NDArray[np.float64]  # (6,) of the load cell
     inertia: NDArray[np.float64]
-    cell_turn: NDArray[np.float64]
+    """(1,) the whole tensor. The filter has no column for it: a tenth moves nothing that can be measured."""
+    cell_turn: NDArray[np.float64]  # (3,) of the load cell's axes, beside ``turn``
     motors: NDArray[np.float64]
-    tone: NDArray[np.float64]
+    """(4, ``N_MOTOR_ERRORS``) of a force that no load cell reads: each motor's gain, Coulomb and viscous friction,
+    and direction about two axes (``device.force_sensor``).
+    """
+    tone: NDArray[np.float64]  # (1,) of the closers
     inertial: NDArray[np.float64]
+    """(4,) mass and centre of mass once more, as accelerations show them: the same numbers, which a filter may take
+    for others.
+    """
 
 
 def no_unknowns(lines: int) -> Unknowns:

@@ -31,9 +31,6 @@ def nees(error: Array, covariance: Array) -> Array:
 
     Returns:
         (...).
-
-    Raises:
-        InputError: a covariance is not positive definite.
     """
     factor = _cholesky(covariance)
     white = np.linalg.solve(factor, error[..., None])[..., 0]
@@ -98,9 +95,6 @@ def log_density(truth: Array, mean: Array, covariance: Array) -> Array:
 
     Returns:
         (...) in nats.
-
-    Raises:
-        InputError: a covariance is not positive definite.
     """
     log_det = 2.0 * np.sum(np.log(np.diagonal(_cholesky(covariance), axis1=-2, axis2=-1)), axis=-1)
     size = truth.shape[-1]
@@ -117,9 +111,6 @@ def claimed_information(covariance: Array, prior_sd: Array) -> Array:
 
     Returns:
         (...) in nats; 1 nat shrinks each of P standard deviations by the factor exp(-1/P): for 12 by 8 %.
-
-    Raises:
-        InputError: a covariance is not positive definite.
     """
     log_sd = np.log(np.diagonal(_cholesky(covariance), axis1=-2, axis2=-1))
     gained: Array = np.sum(np.log(prior_sd) - log_sd, axis=-1)
@@ -141,9 +132,6 @@ def true_information(truth: Array, mean: Array, covariance: Array, prior_mean: A
 
     Returns:
         (...) in nats.
-
-    Raises:
-        InputError: a covariance is not positive definite.
     """
     prior = log_density(truth, prior_mean, np.diag(np.square(prior_sd)))
     gained: Array = log_density(truth, mean, covariance) - prior

@@ -29,17 +29,11 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Decisions on one property ('fibrosed' or 'blocked') of M muscles in N patients.
+    """Decisions on one property ('fibrosed' or 'blocked') of M muscles in N patients."""
 
-    Attributes:
-        raised: (N, M) whether it truly is above the threshold.
-        called_raised: (N, M) the posterior is sure that it is.
-        called_normal: (N, M) the posterior is sure that it is not.
-    """
-
-    raised: Mask
-    called_raised: Mask
-    called_normal: Mask
+    raised: Mask  # (N, M) whether it truly is above the threshold
+    called_raised: Mask  # (N, M) the posterior is sure that it is
+    called_normal: Mask  # (N, M) the posterior is sure that it is not
 
     @property
     def sensitivity(self) -> float:
@@ -88,9 +82,6 @@ def diagnose(truth: Array, mean: Array, sd: Array, threshold: float, confidence:
 
     Returns:
         The decisions.
-
-    Raises:
-        InputError: threshold or confidence is outside its range.
     """
     from scipy.special import ndtri
 

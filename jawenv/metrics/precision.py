@@ -37,9 +37,6 @@ def time_to(sd: Array, time: Array, threshold: float, valid: npt.NDArray[np.bool
 
     Returns:
         (N,) in s; infinite where it never happened.
-
-    Raises:
-        InputError: the threshold is not positive.
     """
     if not threshold > 0.0:
         raise InputError(f"threshold is {threshold}; allowed: a value above 0")

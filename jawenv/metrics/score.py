@@ -65,58 +65,32 @@ def _written(value: float, form: str) -> str:
 
 @dataclass(frozen=True)
 class Score:
-    """The metrics of N episodes at their ends; P parameters, natural logs, so an sd of 0.05 is 5 %.
+    """The metrics of N episodes at their ends; P parameters, natural logs, so an sd of 0.05 is 5 %."""
 
-    Attributes:
-        parameter_names: P names.
-        sd: (N, P) claimed standard deviations.
-        error: (N, P) estimate minus truth.
-        bound_sd: (N, P) posterior Cramer-Rao bound, NaN where not tracked.
-        worst_sd: (N,) largest of the P claimed standard deviations, or of those of the muscles that are asked for.
-        worst_bound_sd: (N,) largest of these bounds.
-        time_to_s: threshold of the worst sd -> (N,) s until it was reached, infinite if never.
-        information_claimed: (N,) nats by the claimed covariance.
-        information_true: (N,) nats by the log score.
-        information_bound: (N,) nats by the bound, NaN where not tracked.
-        nees: (N,) of the posterior; P on average if it is honest.
-        nees_prior: (N,) of the prior at the same truth; below P where the cohort is narrower than the prior.
-        inside: sigmas -> (N,) share of the parameters whose truth lies within so many claimed standard
-            deviations.
-        rmse: (N,) root mean squared error over the parameters.
-        identified: (N,) number of parameters with sd <= 10 % and the truth inside the 95 % interval.
-        discomfort_s: (N,) integral of the cost over time.
-        largest_fraction: (N,) largest used fraction of a soft comfort limit.
-        violated: (N,) bool, a hard limit was crossed.
-        misfit: (N,) the filter's alarm, the largest of the episode: above 1 the readings do not fit the model.
-        governor: (N,) share of the time in which the governor acted.
-        duration_s: (N,) length of the episode.
-        fibrosed: decisions on raised F_o.
-        blocked: decisions on raised b.
-    """
-
-    parameter_names: tuple[str, ...]
-    sd: Array
-    error: Array
-    bound_sd: Array
-    worst_sd: Array
-    worst_bound_sd: Array
-    time_to_s: dict[float, Array]
-    information_claimed: Array
-    information_true: Array
-    information_bound: Array
-    nees: Array
-    nees_prior: Array
+    parameter_names: tuple[str, ...]  # P names
+    sd: Array  # (N, P) claimed standard deviations
+    error: Array  # (N, P) estimate minus truth
+    bound_sd: Array  # (N, P) posterior Cramer-Rao bound, NaN where not tracked
+    worst_sd: Array  # (N,) largest of the P claimed standard deviations, or of those of the muscles that are asked for
+    worst_bound_sd: Array  # (N,) largest of these bounds
+    time_to_s: dict[float, Array]  # threshold of the worst sd -> (N,) s until it was reached, infinite if never
+    information_claimed: Array  # (N,) nats by the claimed covariance
+    information_true: Array  # (N,) nats by the log score
+    information_bound: Array  # (N,) nats by the bound, NaN where not tracked
+    nees: Array  # (N,) of the posterior; P on average if it is honest
+    nees_prior: Array  # (N,) of the prior at the same truth; below P where the cohort is narrower than the prior
     inside: dict[int, Array]
-    rmse: Array
-    identified: npt.NDArray[np.intp]
-    discomfort_s: Array
-    largest_fraction: Array
-    violated: Mask
-    misfit: Array
-    governor: Array
-    duration_s: Array
-    fibrosed: Diagnosis
-    blocked: Diagnosis
+    """Sigmas -> (N,) share of the parameters whose truth lies within so many claimed standard deviations."""
+    rmse: Array  # (N,) root mean squared error over the parameters
+    identified: npt.NDArray[np.intp]  # (N,) number of parameters with sd <= 10 % and the truth inside the 95 % interval
+    discomfort_s: Array  # (N,) integral of the cost over time
+    largest_fraction: Array  # (N,) largest used fraction of a soft comfort limit
+    violated: Mask  # (N,) bool, a hard limit was crossed
+    misfit: Array  # (N,) the filter's alarm, the largest of the episode: above 1 the readings do not fit the model
+    governor: Array  # (N,) share of the time in which the governor acted
+    duration_s: Array  # (N,) length of the episode
+    fibrosed: Diagnosis  # decisions on raised F_o
+    blocked: Diagnosis  # decisions on raised b
 
     @property
     def honesty_gap(self) -> Array:

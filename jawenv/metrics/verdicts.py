@@ -22,21 +22,13 @@ WORDS = (NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN)
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict on one muscle.
+    """The verdict on one muscle."""
 
-    Attributes:
-        word: one of ``WORDS``, or ``NO_VERDICT``.
-        probability: that the word is right; of the likeliest where nothing is known yet.
-        likeliest: the one of `normal`, `stiff`, `blocked`, `stiff and blocked` with the largest probability.
-        stiff: probability that F_o is raised.
-        blocked: probability that b is raised.
-    """
-
-    word: str
-    probability: float
-    likeliest: str
-    stiff: float
-    blocked: float
+    word: str  # one of ``WORDS``, or ``NO_VERDICT``
+    probability: float  # that the word is right; of the likeliest where nothing is known yet
+    likeliest: str  # the one of `normal`, `stiff`, `blocked`, `stiff and blocked` with the largest probability
+    stiff: float  # probability that F_o is raised
+    blocked: float  # probability that b is raised
 
     @property
     def open_question(self) -> str:

@@ -30,12 +30,9 @@ class Agent(Protocol):
 
     An agent whose actions belong to one control mode says so by an attribute ``control``, from which ``jawenv.play``
     takes it.
-
-    Attributes:
-        name: short name for tables and figures.
     """
 
-    name: str
+    name: str  # short name for tables and figures
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """Forget everything and get ready for `num_envs` worlds that start new episodes.
@@ -87,9 +84,6 @@ def checked_decision(answer: Any, agent: Any) -> tuple[Any, Any]:
     Args:
         answer: what it returned.
         agent: whose name, or class, the message has.
-
-    Raises:
-        InputError: no pair, or no array of actions in it.
     """
     if not isinstance(answer, tuple | list) or len(answer) != 2 or not hasattr(answer[0], "__len__"):
         name = getattr(agent, "name", type(agent).__name__)
@@ -110,21 +104,14 @@ class Planning(Protocol):
         Args:
             env: a vector environment of jawenv after its ``reset``. The agent reads its simulation, and changes nothing
                 of it.
-
-        Raises:
-            InputError: an environment that the agent cannot play.
         """
         ...
 
 
 class BatchAgent:
-    """An agent that answers the observations of N worlds, and a single one as those of one world.
+    """An agent that answers the observations of N worlds, and a single one as those of one world."""
 
-    Attributes:
-        name: short name for tables and figures.
-    """
-
-    name: str
+    name: str  # short name for tables and figures
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """See `Agent.reset`."""
@@ -136,11 +123,7 @@ class BatchAgent:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See `Agent.predict`.
-
-        Raises:
-            InputError: an observation of the wrong shape, or what the agent refuses.
-        """
+        """See `Agent.predict`."""
         rows = np.ascontiguousarray(observation, dtype=np.float32)
         if rows.ndim not in (1, 2):
             raise InputError(f"observation has shape {rows.shape}; allowed: (N, size) and (size,)")
@@ -157,15 +140,10 @@ class BatchAgent:
 
 
 class Memory(NamedTuple):
-    """An agent's memory.
+    """An agent's memory."""
 
-    Attributes:
-        of_worlds: arrays (N, ...), one row per world, of zeros where an episode begins.
-        shared: what it remembers of all worlds together; None where all begin.
-    """
-
-    of_worlds: tuple[NDArray[Any], ...]
-    shared: Any = None
+    of_worlds: tuple[NDArray[Any], ...]  # arrays (N, ...), one row per world, of zeros where an episode begins
+    shared: Any = None  # what it remembers of all worlds together; None where all begin
 
 
 class Remembering(BatchAgent):
@@ -192,11 +170,7 @@ class Remembering(BatchAgent):
         raise NotImplementedError
 
     def _recall(self, state: State, worlds: int, starts: Mask | None) -> Memory:
-        """A copy of the memory to go on from, of zeros for worlds that begin an episode.
-
-        Raises:
-            InputError: another number of worlds than before.
-        """
+        """A copy of the memory to go on from, of zeros for worlds that begin an episode."""
         memory = self._memory if state is None else Memory(*state)
         if memory is None or (starts is not None and starts.all()):
             return Memory(tuple(np.zeros(worlds, dtype) for dtype in self._remembered))
@@ -211,10 +185,6 @@ class Remembering(BatchAgent):
 
 
 def check_size(rows: Observation, size: int, policy: object) -> None:
-    """Make sure that observations (N, size) are of the size that a policy was trained on.
-
-    Raises:
-        InputError: they are not.
-    """
+    """Make sure that observations (N, size) are of the size that a policy was trained on."""
     if rows.shape[1] != size:
         raise InputError(f"{policy}: the policy was trained on observations of {size} values, got {rows.shape[1]}")

@@ -46,55 +46,30 @@ class Recording:
 
     Parameters are natural logs. After a world has ended (`valid` False) its arrays hold their last value, and
     its cost and governor share are 0.
-
-    Attributes:
-        time: (T+1,) s since the start of the episode; time 0 is the reset.
-        belief_mean: (N, T+1, P) the filter's mean.
-        belief_cov: (N, T+1, P, P) the filter's covariance.
-        truth: (N, P) the patient's parameters.
-        prior_mean: (P,) mean of the filter's prior.
-        prior_sd: (P,) standard deviation of the filter's prior.
-        bound_sd: (N, T+1, P) posterior Cramer-Rao bound, NaN where it was not tracked.
-        information_claimed: (N, T+1) nats, as the environment reports them.
-        information_true: (N, T+1) nats by the log score, as the environment reports them.
-        information_bound: (N, T+1) nats, NaN where it was not tracked.
-        cost: (N, T+1) discomfort in the step that ends at that time, >= 0.
-        comfort: (N, T+1, L) used fraction of each soft limit.
-        governor: (N, T+1) share of the device ticks of that step in which the governor acted.
-        violation: (N, T+1) bool, a hard limit was crossed in that step.
-        misfit: (N, T+1) the filter's alarm, the largest so far: above 1 the readings do not fit the model.
-        valid: (N, T+1) bool, False after the episode has ended.
-        terminated: (N,) bool, the episode ended before its time limit.
-        asked: (N, P) bool, the parameters of the muscles that are asked for: all by default.
-        parameter_names: P names, `log_F_o/<muscle>` and `log_b/<muscle>`.
-        comfort_names: L names of the comfort limits.
-        records: N records of what the devices measured, with `record=True` among the environment's arguments.
-
-    Raises:
-        InputError: an array has the wrong shape, is not finite, or `time` or `valid` is not as described.
     """
 
-    time: Array
-    belief_mean: Array
-    belief_cov: Array
-    truth: Array
-    prior_mean: Array
-    prior_sd: Array
-    bound_sd: Array
-    information_claimed: Array
-    information_true: Array
-    information_bound: Array
-    cost: Array
-    comfort: Array
-    governor: Array
-    violation: Mask
-    misfit: Array
-    valid: Mask
-    terminated: Mask
-    asked: Mask
-    parameter_names: tuple[str, ...]
-    comfort_names: tuple[str, ...]
+    time: Array  # (T+1,) s since the start of the episode; time 0 is the reset
+    belief_mean: Array  # (N, T+1, P) the filter's mean
+    belief_cov: Array  # (N, T+1, P, P) the filter's covariance
+    truth: Array  # (N, P) the patient's parameters
+    prior_mean: Array  # (P,) mean of the filter's prior
+    prior_sd: Array  # (P,) standard deviation of the filter's prior
+    bound_sd: Array  # (N, T+1, P) posterior Cramer-Rao bound, NaN where it was not tracked
+    information_claimed: Array  # (N, T+1) nats, as the environment reports them
+    information_true: Array  # (N, T+1) nats by the log score, as the environment reports them
+    information_bound: Array  # (N, T+1) nats, NaN where it was not tracked
+    cost: Array  # (N, T+1) discomfort in the step that ends at that time, >= 0
+    comfort: Array  # (N, T+1, L) used fraction of each soft limit
+    governor: Array  # (N, T+1) share of the device ticks of that step in which the governor acted
+    violation: Mask  # (N, T+1) bool, a hard limit was crossed in that step
+    misfit: Array  # (N, T+1) the filter's alarm, the largest so far: above 1 the readings do not fit the model
+    valid: Mask  # (N, T+1) bool, False after the episode has ended
+    terminated: Mask  # (N,) bool, the episode ended before its time limit
+    asked: Mask  # (N, P) bool, the parameters of the muscles that are asked for: all by default
+    parameter_names: tuple[str, ...]  # P names, `log_F_o/<muscle>` and `log_b/<muscle>`
+    comfort_names: tuple[str, ...]  # L names of the comfort limits
     records: tuple[Record, ...] | None = None
+    """N records of what the devices measured, with `record=True` among the environment's arguments."""
 
     def __post_init__(self) -> None:
         """Check every array against the sizes that `truth`, `time` and the names state."""

@@ -52,9 +52,6 @@ class SingleWorlds(SyncVectorEnv):
         env_id: id of an environment that is a ``JawEnv``, wrapped or not.
         number: N.
         env_kwargs: arguments of each.
-
-    Raises:
-        InputError: another environment, or what it refuses.
     """
 
     def __init__(self, env_id: str, number: int, env_kwargs: Mapping[str, Any]) -> None:
@@ -72,11 +69,7 @@ class SingleWorlds(SyncVectorEnv):
 
     @property
     def simulation(self) -> Any:
-        """The simulation, which planners copy; there is none.
-
-        Raises:
-            InputError: always.
-        """
+        """The simulation, which planners copy; there is none."""
         raise InputError(f"{self._id} has no native vector form, which agents that plan need")
 
     def record(self, index: int) -> Record:

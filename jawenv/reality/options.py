@@ -169,9 +169,5 @@ class Reality(NumericFields):
 
 
 def check_reality(source: object) -> Reality:
-    """The effects given as a ``Reality``, as a mapping of fields or as the path of a file; None is no effect.
-
-    Raises:
-        InputError: none of these, an unknown field, a value that is not allowed, or a file that cannot be read.
-    """
+    """The effects given as a ``Reality``, as a mapping of fields or as the path of a file; None is no effect."""
     return Reality() if source is None else instance_of(Reality, source, "reality")

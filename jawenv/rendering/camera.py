@@ -24,19 +24,12 @@ _SIDE_TURN = np.radians(9.0)
 
 @dataclass(frozen=True)
 class Camera:
-    """Parallel projection of head-frame mm.
+    """Parallel projection of head-frame mm."""
 
-    Attributes:
-        right: (3,) direction to the right of the picture.
-        toward: (3,) direction toward the viewer; up is z.
-        origin: place of the head's origin, design units.
-        scale: design units per mm.
-    """
-
-    right: Array
-    toward: Array
-    origin: tuple[float, float]
-    scale: float
+    right: Array  # (3,) direction to the right of the picture
+    toward: Array  # (3,) direction toward the viewer; up is z
+    origin: tuple[float, float]  # place of the head's origin, design units
+    scale: float  # design units per mm
 
     def project(self, points: Array) -> Array:
         """Project (..., 3) mm to (..., 2) design units."""

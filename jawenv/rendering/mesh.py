@@ -13,21 +13,13 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Mesh:
-    """A surface of quadrilaterals, seen from outside; lengths in mm.
+    """A surface of quadrilaterals, seen from outside; lengths in mm."""
 
-    Attributes:
-        vertices: (V, 3).
-        faces: (F, 4) vertex indices, counter-clockwise from outside; a triangle repeats its last index.
-        normals: (F, 3) outward unit normals.
-        edges: (E, 2) vertex indices of edges between two faces.
-        edge_faces: (E, 2) the two faces of each edge.
-    """
-
-    vertices: Array
-    faces: Index
-    normals: Array
-    edges: Index
-    edge_faces: Index
+    vertices: Array  # (V, 3)
+    faces: Index  # (F, 4) vertex indices, counter-clockwise from outside; a triangle repeats its last index
+    normals: Array  # (F, 3) outward unit normals
+    edges: Index  # (E, 2) vertex indices of edges between two faces
+    edge_faces: Index  # (E, 2) the two faces of each edge
 
 
 def build(vertices: Array, faces: Index) -> Mesh:

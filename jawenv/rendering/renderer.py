@@ -36,9 +36,6 @@ class Renderer:
             mode: "rgb_array" or "human".
             fps: pictures per second of the window.
             size: width and height in pixels.
-
-        Raises:
-            InputError: an unknown mode, a rate that is not positive or a picture below 480 by 270 pixels.
         """
         if mode not in get_args(Mode):
             raise InputError(f"render_mode is '{mode}'; allowed: {', '.join(get_args(Mode))}")
@@ -74,11 +71,7 @@ class Renderer:
         return self._picture(scene).pixels()
 
     def show(self, scene: Scene) -> None:
-        """Show a scene in the window, wait for the next picture's turn and see to the window's events.
-
-        Raises:
-            InputError: there is no display to open a window on.
-        """
+        """Show a scene in the window, wait for the next picture's turn and see to the window's events."""
         if self._dismissed:
             return
         surface = self._picture(scene).finish()

@@ -35,74 +35,42 @@ class Scene:
 
     M is the number of lines of action, P the number of parameters. Every muscle needs its two parameters
     `log_F_o/<muscle>` and `log_b/<muscle>` among `parameter_names`; further parameters are not drawn.
-
-    Attributes:
-        muscle_names: (M,) the muscle that each line belongs to; lines that share a muscle repeat its name.
-        muscle_origin_m: (M, 3) origins on the skull.
-        muscle_insertion_m: (M, 3) insertions on the mandible as it stands now.
-        muscle_tension_N: (M,) tensions, not negative.
-        contact_m: (3,) point midway between the condyles now, where it really is.
-        rotation: (3, 3) body axes as columns, C^T.
-        plant: what holds the condyles: `midline` binds the point between them to the path, `contact` and
-            `bilateral` let each condyle press on its fossa or lift off it.
-        slides: whether the condyles can leave the place where they rest.
-        condyle_half_width_m: half the distance between the condyles' centres.
-        fossa_drop_m: d of the condyle's path z = d (cos f x - 1).
-        fossa_frequency: f of the same path, rad/m.
-        mouthpiece_m: (3,) point where the device holds the mandible now.
-        mouthpiece_force_N: (3,) force of the device on the mandible.
-        parameter_names: (P,) names of the parameters.
-        belief_mean: (P,) posterior means of the natural logs.
-        belief_cov: (P, P) posterior covariance, its diagonal positive.
-        prior_mean: (P,) prior means of the natural logs.
-        prior_sd: (P,) prior standard deviations, positive.
-        truth: (P,) true natural logs, or None where they are unknown or to be hidden.
-        comfort: used fraction of the soft limit by name of the limit.
-        comfort_hard: fraction that is the hard limit, above 1, by the same names.
-        governor: share of the last step in which the governor acted, 0 to 1.
-        time_s: time since the start of the episode.
-        episode_s: length of the episode, positive.
-        opening_mm: opening at the incisors.
-        opening_limits_mm: (2,) the soft and the hard limit of the opening.
-        excursion_mm: (2,) how far the mouthpiece is to the left of its rest and in front of its natural path.
-        excursion_soft_mm: (2,) their soft limits to either side.
-        information_nats: information gained so far.
-        title: one line above the picture.
-
-    Raises:
-        InputError: a value is not finite, out of range or of the wrong shape; the message names the field.
     """
 
     muscle_names: tuple[str, ...]
-    muscle_origin_m: Array
-    muscle_insertion_m: Array
-    muscle_tension_N: Array
-    contact_m: Array
-    rotation: Array
+    """(M,) the muscle that each line belongs to; lines that share a muscle repeat its name."""
+    muscle_origin_m: Array  # (M, 3) origins on the skull
+    muscle_insertion_m: Array  # (M, 3) insertions on the mandible as it stands now
+    muscle_tension_N: Array  # (M,) tensions, not negative
+    contact_m: Array  # (3,) point midway between the condyles now, where it really is
+    rotation: Array  # (3, 3) body axes as columns, C^T
     plant: Plant
-    slides: bool
-    condyle_half_width_m: float
-    fossa_drop_m: float
-    fossa_frequency: float
-    mouthpiece_m: Array
-    mouthpiece_force_N: Array
-    parameter_names: tuple[str, ...]
-    belief_mean: Array
-    belief_cov: Array
-    prior_mean: Array
-    prior_sd: Array
-    truth: Array | None
-    comfort: Mapping[str, float]
-    comfort_hard: Mapping[str, float]
-    governor: float
-    time_s: float
-    episode_s: float
-    opening_mm: float
-    opening_limits_mm: Array
-    excursion_mm: Array
-    excursion_soft_mm: Array
-    information_nats: float
-    title: str
+    """What holds the condyles: `midline` binds the point between them to the path, `contact` and `bilateral` let
+    each condyle press on its fossa or lift off it.
+    """
+    slides: bool  # whether the condyles can leave the place where they rest
+    condyle_half_width_m: float  # half the distance between the condyles' centres
+    fossa_drop_m: float  # d of the condyle's path z = d (cos f x - 1)
+    fossa_frequency: float  # f of the same path, rad/m
+    mouthpiece_m: Array  # (3,) point where the device holds the mandible now
+    mouthpiece_force_N: Array  # (3,) force of the device on the mandible
+    parameter_names: tuple[str, ...]  # (P,) names of the parameters
+    belief_mean: Array  # (P,) posterior means of the natural logs
+    belief_cov: Array  # (P, P) posterior covariance, its diagonal positive
+    prior_mean: Array  # (P,) prior means of the natural logs
+    prior_sd: Array  # (P,) prior standard deviations, positive
+    truth: Array | None  # (P,) true natural logs, or None where they are unknown or to be hidden
+    comfort: Mapping[str, float]  # used fraction of the soft limit by name of the limit
+    comfort_hard: Mapping[str, float]  # fraction that is the hard limit, above 1, by the same names
+    governor: float  # share of the last step in which the governor acted, 0 to 1
+    time_s: float  # time since the start of the episode
+    episode_s: float  # length of the episode, positive
+    opening_mm: float  # opening at the incisors
+    opening_limits_mm: Array  # (2,) the soft and the hard limit of the opening
+    excursion_mm: Array  # (2,) how far the mouthpiece is to the left of its rest and in front of its natural path
+    excursion_soft_mm: Array  # (2,) their soft limits to either side
+    information_nats: float  # information gained so far
+    title: str  # one line above the picture
 
     def __post_init__(self) -> None:
         """Check every field."""

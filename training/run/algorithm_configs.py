@@ -24,23 +24,15 @@ class LearningRate(InputModel):
 
 
 class NetworkConfig(InputModel):
-    """Two separate perceptrons: the policy and its value function.
+    """Two separate perceptrons: the policy and its value function."""
 
-    Attributes:
-        policy: units of each hidden layer.
-        value: units of each hidden layer.
-        activation: between layers.
-        initial_log_std: natural log of the sd of the actions at the start.
-        final_log_std: where it falls to, linearly over the run; null leaves it to the learning.
-        initial_action_scale: factor of the last layer's initial weights; below 1 the first actions are near to 0.
-    """
-
-    policy: tuple[PositiveInt, ...] = (64, 64)
-    value: tuple[PositiveInt, ...] = (64, 64)
-    activation: Activation = "tanh"
-    initial_log_std: Number = -0.5
-    final_log_std: Number | None = None
+    policy: tuple[PositiveInt, ...] = (64, 64)  # units of each hidden layer
+    value: tuple[PositiveInt, ...] = (64, 64)  # units of each hidden layer
+    activation: Activation = "tanh"  # between layers
+    initial_log_std: Number = -0.5  # natural log of the sd of the actions at the start
+    final_log_std: Number | None = None  # where it falls to, linearly over the run; null leaves it to the learning
     initial_action_scale: PositiveNumber = 1.0
+    """Factor of the last layer's initial weights; below 1 the first actions are near to 0."""
 
 
 class LSTMNetworkConfig(NetworkConfig):
@@ -67,19 +59,13 @@ class PPOConfig(InputModel):
 
 
 class APGConfig(InputModel):
-    """Analytic policy gradient through a differentiable twin (``training.run.pathwise``).
+    """Analytic policy gradient through a differentiable twin (``training.run.pathwise``)."""
 
-    Attributes:
-        n_steps: decisions of an episode in the twin.
-        learning_rate: of the policy.
-        max_grad_norm: largest norm of the gradient.
-        network: sizes; the value function is not learned.
-    """
-
-    n_steps: PositiveInt = 50
-    learning_rate: LearningRate = LearningRate(initial=2e-3, final=1e-4)
-    max_grad_norm: PositiveNumber = 1.0
+    n_steps: PositiveInt = 50  # decisions of an episode in the twin
+    learning_rate: LearningRate = LearningRate(initial=2e-3, final=1e-4)  # of the policy
+    max_grad_norm: PositiveNumber = 1.0  # largest norm of the gradient
     network: NetworkConfig = NetworkConfig(value=(), initial_action_scale=0.1)
+    """Sizes; the value function is not learned."""
 
 
 class RecurrentPPOConfig(PPOConfig):
@@ -89,54 +75,34 @@ class RecurrentPPOConfig(PPOConfig):
 
 
 class ActorCriticConfig(InputModel):
-    """The policy and its critics, perceptrons of equal size.
+    """The policy and its critics, perceptrons of equal size."""
 
-    Attributes:
-        units: of each hidden layer.
-        activation: between layers.
-        initial_action_scale: factor of the last layer's initial weights; below 1 the first actions are near to 0.
-    """
-
-    units: tuple[PositiveInt, ...] = (128, 128)
-    activation: Activation = "relu"
+    units: tuple[PositiveInt, ...] = (128, 128)  # of each hidden layer
+    activation: Activation = "relu"  # between layers
     initial_action_scale: PositiveNumber = 1.0
+    """Factor of the last layer's initial weights; below 1 the first actions are near to 0."""
 
 
 class SACConfig(InputModel):
-    """Soft actor-critic (Haarnoja et al. 2018, arXiv:1801.01290), as in stable-baselines3.
+    """Soft actor-critic (Haarnoja et al. 2018, arXiv:1801.01290), as in stable-baselines3."""
 
-    Attributes:
-        learning_rate: of all networks.
-        buffer_size: transitions kept, over all worlds.
-        learning_starts: transitions by random actions before the first update.
-        batch_size: transitions per gradient step.
-        gradient_steps: after each step of all worlds.
-        gamma: discount.
-        tau: share of the critics that their targets take over per gradient step.
-        ent_coef: weight of the entropy; ``auto_0.05`` adapts it, beginning at 0.05.
-        network: sizes.
-    """
-
-    learning_rate: LearningRate = LearningRate(initial=6e-4, final=6e-4)
-    buffer_size: PositiveInt = 300_000
-    learning_starts: PositiveInt = 2560
-    batch_size: BatchSize = 512
-    gradient_steps: PositiveInt = 10
-    gamma: Fraction = 0.97
+    learning_rate: LearningRate = LearningRate(initial=6e-4, final=6e-4)  # of all networks
+    buffer_size: PositiveInt = 300_000  # transitions kept, over all worlds
+    learning_starts: PositiveInt = 2560  # transitions by random actions before the first update
+    batch_size: BatchSize = 512  # transitions per gradient step
+    gradient_steps: PositiveInt = 10  # after each step of all worlds
+    gamma: Fraction = 0.97  # discount
     tau: Annotated[Number, Field(gt=0.0, le=1.0)] = 0.005
+    """Share of the critics that their targets take over per gradient step."""
     ent_coef: Annotated[str, Field(pattern=r"^auto(_\d*\.?\d+)?$")] | NotNegative = "auto_0.05"
-    network: ActorCriticConfig = ActorCriticConfig()
+    """Weight of the entropy; ``auto_0.05`` adapts it, beginning at 0.05."""
+    network: ActorCriticConfig = ActorCriticConfig()  # sizes
 
 
 class TQCConfig(SACConfig):
-    """Truncated quantile critics (Kuznetsov et al. 2020, arXiv:2005.04269), as in sb3-contrib.
+    """Truncated quantile critics (Kuznetsov et al. 2020, arXiv:2005.04269), as in sb3-contrib."""
 
-    Attributes:
-        n_critics: networks, each with ``n_quantiles``.
-        n_quantiles: of the return's distribution.
-        dropped_quantiles: the largest of each network, left out against overestimation.
-    """
-
-    n_critics: PositiveInt = 2
-    n_quantiles: PositiveInt = 25
+    n_critics: PositiveInt = 2  # networks, each with ``n_quantiles``
+    n_quantiles: PositiveInt = 25  # of the return's distribution
     dropped_quantiles: Annotated[int, Field(ge=0, strict=True)] = 2
+    """The largest of each network, left out against overestimation."""

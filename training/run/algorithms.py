@@ -37,11 +37,7 @@ ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU, "elu": torch.nn.ELU
 
 
 def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
-    """The untrained model that the configuration describes.
-
-    Raises:
-        InputError: the device does not exist.
-    """
+    """The untrained model that the configuration describes."""
     section = config.section
     specific = _off_policy(section) if isinstance(section, SACConfig) else _on_policy(section)
     algorithm: Any = ALGORITHMS[config.algorithm]

@@ -51,22 +51,14 @@ class EnvConfig(InputModel):
 
 
 class Residual(InputModel):
-    """The maneuver that a policy corrects, and how far.
+    """The maneuver that a policy corrects, and how far."""
 
-    Attributes:
-        maneuver: name of one that comes with jawenv, or a maneuver file.
-        scale: size of an action of 1 beside the maneuver's target, as a fraction of the patient's comfort.
-    """
-
-    maneuver: Annotated[str, Field(min_length=1)]
+    maneuver: Annotated[str, Field(min_length=1)]  # name of one that comes with jawenv, or a maneuver file
     scale: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.5
+    """Size of an action of 1 beside the maneuver's target, as a fraction of the patient's comfort."""
 
     def load_maneuver(self, folder: Path | None = None) -> Maneuver:
-        """The maneuver; where a run's folder holds a copy of it, that one.
-
-        Raises:
-            InputError: no such maneuver, or a damaged file.
-        """
+        """The maneuver; where a run's folder holds a copy of it, that one."""
         if folder is not None and (folder / BASE_FILE).exists():
             return Maneuver.load(folder / BASE_FILE)
         is_file = Path(self.maneuver).suffix in MANEUVER_FILES
@@ -77,20 +69,13 @@ class ComfortConfig(InputModel):
     """A limit on discomfort in place of its price: the price (Lagrange's multiplier) is learned.
 
     After every so many episodes its logarithm grows by ``rate`` x (discomfort / target - 1).
-
-    Attributes:
-        target_discomfort_s: integral of ``info["cost"]`` over 30 s that is allowed on average, s.
-        initial_multiplier: nats per s of cost 1, as ``comfort_weight``.
-        largest_multiplier: where the growth ends.
-        rate: step of the logarithm.
-        episodes: finished between two updates.
     """
 
-    target_discomfort_s: PositiveNumber = 0.05
-    initial_multiplier: PositiveNumber = 10.0
-    largest_multiplier: PositiveNumber = 1e4
-    rate: PositiveNumber = 0.1
-    episodes: PositiveInt = 64
+    target_discomfort_s: PositiveNumber = 0.05  # integral of ``info["cost"]`` over 30 s that is allowed on average, s
+    initial_multiplier: PositiveNumber = 10.0  # nats per s of cost 1, as ``comfort_weight``
+    largest_multiplier: PositiveNumber = 1e4  # where the growth ends
+    rate: PositiveNumber = 0.1  # step of the logarithm
+    episodes: PositiveInt = 64  # finished between two updates
 
 
 class EvaluationConfig(InputModel):
@@ -171,11 +156,7 @@ class TrainingConfig(InputModel):
         return self.model_dump(mode="json", exclude=set(get_args(Algorithm)) - {self.algorithm})
 
     def changed(self, **values: Any) -> TrainingConfig:
-        """The same run with some values replaced, in mappings those that are named; None leaves a value as it is.
-
-        Raises:
-            InputError: a value is not allowed.
-        """
+        """The same run with some values replaced, in mappings those that are named; None leaves a value as it is."""
         return validate(TrainingConfig, _replaced(self.as_mapping(), values), "changed configuration")
 
     def save(self, path: Path) -> None:
@@ -184,11 +165,7 @@ class TrainingConfig(InputModel):
 
     @classmethod
     def load(cls, path: Path) -> TrainingConfig:
-        """Read a YAML file; keys it leaves out keep their defaults.
-
-        Raises:
-            InputError: no such file, damaged, an unknown key or a value that is not allowed.
-        """
+        """Read a YAML file; keys it leaves out keep their defaults."""
         return read_model(path, cls)
 
 
@@ -208,9 +185,6 @@ def asked_for(
         residual_on: maneuver to be corrected.
         target_discomfort: s in 30 s that are allowed; its price is then learned.
         **values: other values of the configuration. What is None is not asked for.
-
-    Raises:
-        InputError: no configuration is named, no such one, or a value is not allowed.
     """
     if name is None:
         raise InputError("CONFIG is missing: name a shipped configuration such as ppo or sac, or a YAML file")
@@ -230,11 +204,7 @@ def asked_for(
 
 
 def config_file(name: str) -> Path:
-    """The file of a configuration that comes with the project, or the file that a path names.
-
-    Raises:
-        InputError: neither.
-    """
+    """The file of a configuration that comes with the project, or the file that a path names."""
     if Path(name).suffix in SUFFIXES:
         return Path(name)
     names = sorted(path.stem for path in CONFIGS.glob("*.yaml"))

@@ -102,15 +102,10 @@ def evaluate(
 
 
 class PolicyScore(NamedTuple):
-    """How good a policy is; the larger the better.
+    """How good a policy is; the larger the better."""
 
-    Attributes:
-        comfortable: whether the discomfort is within the limit, if there is one.
-        value: mean return; minus the discomfort of a policy that exceeds the limit.
-    """
-
-    comfortable: bool
-    value: float
+    comfortable: bool  # whether the discomfort is within the limit, if there is one
+    value: float  # mean return; minus the discomfort of a policy that exceeds the limit
 
     def in_words(self) -> str:
         """The figure in words."""
@@ -137,9 +132,6 @@ class Evaluations(BaseCallback):
     Attributes:
         best: score of the best policy, and its steps; None before the first row.
         last: steps of the latest row; None before the first.
-
-    Raises:
-        InputError: the table of a resumed run is damaged.
     """
 
     def __init__(

@@ -113,9 +113,6 @@ def export(
 
     Returns:
         The card as written.
-
-    Raises:
-        InputError: no run or no policy in it, damaged results, or a folder that is taken, in use or cannot be written.
     """
     run.open()
     card_of_run = read_card(run.path)
@@ -136,11 +133,7 @@ def export(
 
 
 def config_sha256(path: Path) -> str:
-    """The hash of a configuration file's content, however it is laid out.
-
-    Raises:
-        InputError: no such file, or a damaged one.
-    """
+    """The hash of a configuration file's content, however it is laid out."""
     canonical = json.dumps(read_mapping(path), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()
 

@@ -61,21 +61,13 @@ class RunFolder:
         return (self.path / CARD).exists() or self.best_model.exists()
 
     def open(self) -> TrainingConfig:
-        """The configuration of the run that this folder holds.
-
-        Raises:
-            InputError: there is no run here, or its configuration is damaged.
-        """
+        """The configuration of the run that this folder holds."""
         if not self.exists():
             raise InputError(f"{self.path} holds no run: there is no {self.config_file.name} in it")
         return TrainingConfig.load(self.config_file)
 
     def check_settings(self, config: TrainingConfig) -> None:
-        """Make sure that the run in this folder has the settings wanted, its number of steps aside.
-
-        Raises:
-            InputError: it has others; the message names them.
-        """
+        """Make sure that the run in this folder has the settings wanted, its number of steps aside."""
         present = self.open()
         fields = [name for name in TrainingConfig.model_fields if name != "steps"]
         other = [name for name in fields if getattr(present, name) != getattr(config, name)]
@@ -86,11 +78,7 @@ class RunFolder:
             )
 
     def check_free(self, overwrite: bool) -> None:
-        """Make sure that a new run may be written here.
-
-        Raises:
-            InputError: it holds a run and ``overwrite`` is False, or it holds something that is not a run.
-        """
+        """Make sure that a new run may be written here."""
         if not self.path.exists():
             return
         if not self.path.is_dir():
@@ -115,9 +103,6 @@ class RunFolder:
             config: of the run.
             world_seed: of the first training world.
             base: the maneuver that the policy corrects. A copy is kept: its file may change or go.
-
-        Raises:
-            InputError: the folder cannot be written.
         """
         new, old = (self.path.with_name(f".{self.path.name}.{age}") for age in ("new", "old"))
         try:
@@ -202,11 +187,7 @@ class RunFolder:
 
 
 def read_counts(checkpoint: Path) -> dict[str, Any]:
-    """The plain text of a checkpoint, its steps and updates among it; its pickles stay text.
-
-    Raises:
-        InputError: no such file, or a damaged one.
-    """
+    """The plain text of a checkpoint, its steps and updates among it; its pickles stay text."""
     with open_file(checkpoint) as file:
         try:
             with zipfile.ZipFile(file) as archive:

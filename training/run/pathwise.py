@@ -43,9 +43,6 @@ class APG(OnPolicyAlgorithm):
 
     Attributes:
         comfort_multiplier: price of discomfort, nats/s: the reward's, where none is learned.
-
-    Raises:
-        InputError: worlds without a maneuver to be corrected, or of another model.
     """
 
     policy_aliases = {"MlpPolicy": ActorCriticPolicy}  # noqa: RUF012  as the base class has it

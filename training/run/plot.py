@@ -36,9 +36,6 @@ def draw(runs: Sequence[Path], output: Path) -> Path:
 
     Returns:
         Where it lies.
-
-    Raises:
-        InputError: a folder holds no run or no evaluations, matplotlib is missing, or the file cannot be written.
     """
     if output.suffix.lower() != ".png":
         raise InputError(f"output is {output}; allowed: a file that ends in .png")

@@ -46,9 +46,6 @@ def start(
 
     Returns:
         The exit code: 0, or `INTERRUPTED`.
-
-    Raises:
-        InputError: the folder is taken or in use, there is no such maneuver, or the environment refuses its arguments.
     """
     with alone(run.path):
         run.check_free(overwrite)
@@ -71,9 +68,6 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
 
     Returns:
         The exit code: 0, or `INTERRUPTED`.
-
-    Raises:
-        InputError: there is no run, it is in use, what it learns was changed, or its latest checkpoint is damaged.
     """
     config = run.open().changed(steps=steps)
     with alone(run.path):
@@ -108,11 +102,7 @@ def _check_changes(run: RunFolder, config: TrainingConfig, console: Console) -> 
 
 
 def parse_seeds(text: str) -> list[int]:
-    """Seeds from ``0-4``, ``0,1,2`` or both mixed, each once, in the order given.
-
-    Raises:
-        InputError: something else, a range that runs backwards, or more than `MOST_SEEDS` seeds.
-    """
+    """Seeds from ``0-4``, ``0,1,2`` or both mixed, each once, in the order given."""
     seeds: list[int] = []
     for part in text.split(","):
         match = _SEEDS.fullmatch(part.strip())
@@ -132,9 +122,6 @@ def train_seeds(config: TrainingConfig, seeds: list[int], stem: Path, console: C
 
     Returns:
         The exit code: 0, or the code of an interrupted run, after which no other is begun.
-
-    Raises:
-        InputError: a folder holds something else, or a run with other settings.
     """
     plan = [(config.changed(seed=seed), RunFolder(stem.with_name(f"{stem.name}-seed{seed}"))) for seed in seeds]
     for config_of_seed, run in plan:
@@ -151,11 +138,7 @@ def train_seeds(config: TrainingConfig, seeds: list[int], stem: Path, console: C
 
 
 def base_targets(config: TrainingConfig, folder: Path | None = None) -> BaseTargets | None:
-    """The maneuver that the policy corrects, None if it corrects none; a run's folder holds a copy of it.
-
-    Raises:
-        InputError: no such maneuver.
-    """
+    """The maneuver that the policy corrects, None if it corrects none; a run's folder holds a copy of it."""
     if config.residual is None:
         return None
     return BaseTargets(config.residual.load_maneuver(folder), config.residual.scale, decision_hz(config.env.kwargs))

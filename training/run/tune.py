@@ -39,9 +39,6 @@ def search(config: TrainingConfig, name: str, trials: int, storage: str, folder:
 
     Returns:
         The exit code: 0, or the code of an interrupted trial.
-
-    Raises:
-        InputError: fewer than one trial, or a database that is locked, damaged or out of reach.
     """
     if trials < 1:
         raise InputError(f"trials is {trials}; allowed: 1 or more")
@@ -58,11 +55,7 @@ def search(config: TrainingConfig, name: str, trials: int, storage: str, folder:
 
 
 def suggest(trial: Trial, config: TrainingConfig) -> TrainingConfig:
-    """The configuration of a trial; the reward and the price of discomfort are never searched.
-
-    Raises:
-        InputError: the configuration refuses a value.
-    """
+    """The configuration of a trial; the reward and the price of discomfort are never searched."""
     section = config.section.model_dump(mode="json")
     if isinstance(config.section, PPOConfig):
         section["learning_rate"]["initial"] = trial.suggest_float("learning_rate", 1e-4, 2e-3, log=True)

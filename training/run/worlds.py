@@ -31,10 +31,6 @@ def worlds_for(config: EnvConfig, n: int, base: BaseTargets | None = None, price
         n: how many.
         base: the maneuver that the policy corrects. Where the device does not follow targets, a law does.
         price: of discomfort, which the rewards are less by.
-
-    Raises:
-        InputError: no such environment, no native vector form, arguments that it refuses, or control steps that do not
-            fit the policy's decisions.
     """
     import jawenv  # noqa: F401  registers its environments
 

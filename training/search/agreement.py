@@ -38,19 +38,12 @@ SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
 
 @dataclass(frozen=True)
 class Agreement:
-    """What environment and twin say of N patients.
+    """What environment and twin say of N patients."""
 
-    Attributes:
-        maneuver: (N,) index of the perturbed maneuver in ``MANEUVERS``.
-        worst: (2, N) log of the largest sd, of the environment's filter and of the twin.
-        error: (N,) of the log parameter that the filter knows least, its estimate less the truth.
-        discomfort_s: (2, N) in 10 s.
-    """
-
-    maneuver: NDArray[np.intp]
-    worst: NDArray[Any]
-    error: NDArray[Any]
-    discomfort_s: NDArray[Any]
+    maneuver: NDArray[np.intp]  # (N,) index of the perturbed maneuver in ``MANEUVERS``
+    worst: NDArray[Any]  # (2, N) log of the largest sd, of the environment's filter and of the twin
+    error: NDArray[Any]  # (N,) of the log parameter that the filter knows least, its estimate less the truth
+    discomfort_s: NDArray[Any]  # (2, N) in 10 s
 
     def correlation(self) -> float:
         """Of ``worst``."""
@@ -96,9 +89,6 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
         world: arguments of the environment, ``env`` among them.
         patients: how many.
         seed: of the first.
-
-    Raises:
-        InputError: fewer than two patients, or an environment whose jaw is not the midline model.
     """
     arguments = {"episode_s": HORIZON_S, **world}
     env_id = env_id_of(arguments.pop("env", DEFAULT_ENV))

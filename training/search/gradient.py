@@ -42,32 +42,18 @@ DECISION_S = 1.0 / DECISION_HZ
 
 @dataclass(frozen=True)
 class GradientSearch(SearchSettings):
-    """Settings of a search.
+    """Settings of a search."""
 
-    Attributes:
-        refine: maneuver (name or file) where the search begins.
-        cohort: of the patients.
-        updates: of the targets.
-        patients: new ones in each.
-        horizon_s: length of the maneuver.
-        target_discomfort_s: allowed on average, s in 30 s.
-        learning_rate: in parts of ``SCALE``; it falls to a tenth.
-    """
-
-    refine: str
-    cohort: str = "trismus"
-    updates: int = 80
-    patients: int = 64
-    horizon_s: float = 10.0
-    target_discomfort_s: float = 0.1
-    learning_rate: float = 0.03
+    refine: str  # maneuver (name or file) where the search begins
+    cohort: str = "trismus"  # of the patients
+    updates: int = 80  # of the targets
+    patients: int = 64  # new ones in each
+    horizon_s: float = 10.0  # length of the maneuver
+    target_discomfort_s: float = 0.1  # allowed on average, s in 30 s
+    learning_rate: float = 0.03  # in parts of ``SCALE``; it falls to a tenth
 
     def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            InputError: one is not allowed.
-        """
+        """Check the numbers."""
         self.check_least(updates=1, patients=1)
         for name in ("horizon_s", "target_discomfort_s", "learning_rate"):
             if not getattr(self, name) > 0.0:

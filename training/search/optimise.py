@@ -57,46 +57,30 @@ CANDIDATE = dict.fromkeys(("name", "title", "description", "source"), "candidate
 
 @dataclass(frozen=True, kw_only=True)
 class Refinement(SearchSettings):
-    """Settings of the search for offsets of a maneuver's targets.
+    """Settings of the search for offsets of a maneuver's targets."""
 
-    Attributes:
-        cohort: of the patients.
-        control: mode of the environment in which candidates are played.
-        horizon_s: length of an episode.
-        criterion: ``"worst"``: log of the largest sd of a parameter; ``"D"``: log-determinant of the covariance over
-            twice the number of parameters; ``"A"``: half the log of the mean variance.
-        over: ``"mean"`` of the patients, the ``"tail"`` third of them that is known least, or one ``"nominal"``
-            patient, who has the medians of the cohort.
-        patients: how many, from ``jawenv.seeds.TUNING`` on.
-        generations: of CMA-ES.
-        population: candidates in a generation.
-        sigma: first step size, of the numbers.
-        refine: name or file of the maneuver that is refined.
-        then: name or file of the maneuver that follows after the horizon; empty: it goes on itself.
-        seed: of the search.
-        env: the environment, as `jawenv.ladder.model_of_env` takes it.
-    """
-
-    cohort: str = "trismus"
-    control: Control = DEFAULT_CONTROL
-    horizon_s: float = 10.0
+    cohort: str = "trismus"  # of the patients
+    control: Control = DEFAULT_CONTROL  # mode of the environment in which candidates are played
+    horizon_s: float = 10.0  # length of an episode
     criterion: Criterion = "worst"
+    """``"worst"``: log of the largest sd of a parameter; ``"D"``: log-determinant of the covariance over twice the
+    number of parameters; ``"A"``: half the log of the mean variance.
+    """
     over: Over = "mean"
-    patients: int = 12
-    generations: int = 120
-    population: int = 14
-    sigma: float = 0.12
-    refine: str
-    then: str = ""
-    seed: int = 0
-    env: str = "Jaw"
+    """``"mean"`` of the patients, the ``"tail"`` third of them that is known least, or one ``"nominal"`` patient,
+    who has the medians of the cohort.
+    """
+    patients: int = 12  # how many, from ``jawenv.seeds.TUNING`` on
+    generations: int = 120  # of CMA-ES
+    population: int = 14  # candidates in a generation
+    sigma: float = 0.12  # first step size, of the numbers
+    refine: str  # name or file of the maneuver that is refined
+    then: str = ""  # name or file of the maneuver that follows after the horizon; empty: it goes on itself
+    seed: int = 0  # of the search
+    env: str = "Jaw"  # the environment, as `jawenv.ladder.model_of_env` takes it
 
     def __post_init__(self) -> None:
-        """Check every field.
-
-        Raises:
-            InputError: a field has a value that is not allowed.
-        """
+        """Check every field."""
         self.check_choices(criterion=Criterion, over=Over)
         self.check_least(patients=1, generations=1, population=4, seed=0)
         if self.population * self.patients > MOST_WORLDS:
@@ -113,11 +97,7 @@ class Refinement(SearchSettings):
         return {"control": self.control, "cohort": self.cohort, "episode_s": self.horizon_s}
 
     def knots(self) -> Knots:
-        """The maneuver with offsets of its targets.
-
-        Raises:
-            InputError: a maneuver is unknown, or its file is wrong.
-        """
+        """The maneuver with offsets of its targets."""
         return Knots(_maneuver(self.refine), self.horizon_s, _maneuver(self.then) if self.then else None)
 
 
@@ -170,23 +150,14 @@ def _maneuver(spec: str) -> Maneuver:
 
 
 class Judged(NamedTuple):
-    """A candidate's figures.
+    """A candidate's figures."""
 
-    Attributes:
-        loss: figure that CMA-ES ranks.
-        criterion: without constraints.
-        discomfort_s: mean over the patients.
-        violated: share of the patients with a hard limit crossed.
-        governor: share of the time with the governor at work.
-        worst_sd: median over the patients of the largest sd at the horizon.
-    """
-
-    loss: float
-    criterion: float
-    discomfort_s: float
-    violated: float
-    governor: float
-    worst_sd: float
+    loss: float  # figure that CMA-ES ranks
+    criterion: float  # without constraints
+    discomfort_s: float  # mean over the patients
+    violated: float  # share of the patients with a hard limit crossed
+    governor: float  # share of the time with the governor at work
+    worst_sd: float  # median over the patients of the largest sd at the horizon
 
     @property
     def feasible(self) -> bool:
@@ -302,9 +273,6 @@ def search(
 
     Returns:
         The best candidate.
-
-    Raises:
-        InputError: the log is damaged, of another search, or of more generations.
     """
     judge, knots = judge or Judge(design), design.knots()
     settings = design.about() | {"generations": None, "refined": knots.base.model_dump_json()}

@@ -33,11 +33,7 @@ class SearchSettings:
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
-        """From arguments of the fields' names, among others.
-
-        Raises:
-            InputError: a field has a value that is not allowed.
-        """
+        """From arguments of the fields' names, among others."""
         return cls(**{field.name: values[field.name] for field in fields(cls)})  # type: ignore[arg-type]
 
     def about(self) -> dict[str, Any]:
@@ -45,22 +41,14 @@ class SearchSettings:
         return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
 
     def check_choices(self, **kinds: Any) -> None:
-        """Make sure that fields are among the values of a ``Literal``.
-
-        Raises:
-            InputError: one is not.
-        """
+        """Make sure that fields are among the values of a ``Literal``."""
         for name, kind in kinds.items():
             if getattr(self, name) not in get_args(kind):
                 allowed = ", ".join(get_args(kind))
                 raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: {allowed}")
 
     def check_least(self, **least: int) -> None:
-        """Make sure that fields are not below a number.
-
-        Raises:
-            InputError: one is.
-        """
+        """Make sure that fields are not below a number."""
         for name, number in least.items():
             if getattr(self, name) < number:
                 raise InputError(f"{name} is {getattr(self, name)}; allowed: {number} or more")
@@ -116,9 +104,6 @@ def search_maneuver(
 
     Returns:
         The exit code: 0, or 130 after an interrupt.
-
-    Raises:
-        InputError: the file exists without the log of a search; or an error of the search.
     """
     console = quiet_console()
     with alone(output):
@@ -141,12 +126,7 @@ def search_maneuver(
 
 
 def check_output(output: Path) -> None:
-    """Make sure that a maneuver file can be written there, before minutes are spent on it.
-
-    Raises:
-        InputError: another ending than .yaml, a folder that does not exist or may not be written, or a stem that is no
-            maneuver's name.
-    """
+    """Make sure that a maneuver file can be written there, before minutes are spent on it."""
     if output.parent.is_dir() and not os.access(output.parent, os.W_OK):
         raise InputError(f"--output is {output}; allowed: a file in a folder that may be written")
     if output.suffix != ".yaml" or not output.parent.is_dir():

@@ -71,11 +71,7 @@ def layouts() -> dict[int, tuple[int, bool]]:
 
 
 def parameters_of(size: int) -> int:
-    """How many parameters an observation of this length belongs to.
-
-    Raises:
-        InputError: no observation of jawenv has this length.
-    """
+    """How many parameters an observation of this length belongs to."""
     if size not in layouts():
         raise InputError(f"an observation has {size} values; allowed: {', '.join(map(str, sorted(layouts())))}")
     return layouts()[size][0]

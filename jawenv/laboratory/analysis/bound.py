@@ -28,17 +28,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """Smallest covariance of p natural-log parameters that an unbiased estimator could have, at K times.
+    """Smallest covariance of p natural-log parameters that an unbiased estimator could have, at K times."""
 
-    Attributes:
-        time: (K,) s.
-        cov: (K, p, p).
-        prior_sd: (p,) before the first measurement.
-    """
-
-    time: Array
-    cov: Array
-    prior_sd: Array
+    time: Array  # (K,) s
+    cov: Array  # (K, p, p)
+    prior_sd: Array  # (p,) before the first measurement
 
     @property
     def sd(self) -> Array:

@@ -57,9 +57,6 @@ def collinearity(information: Array, subset: Sequence[int] | None = None) -> flo
 
     Returns:
         1 or more; infinite if the data do not see one of them, or cannot tell them apart at all.
-
-    Raises:
-        InputError: the subset is empty, repeats itself or holds what is no index.
     """
     size = len(information)
     chosen = list(range(size)) if subset is None else list(subset)
@@ -77,9 +74,6 @@ def collinearity_of_size(information: Array, size: int) -> tuple[NDArray[np.intp
 
     Returns:
         (M, size) parameter numbers and (M,) indices.
-
-    Raises:
-        InputError: fewer than 1, more than p, or more subsets than can be gone through.
     """
     number = len(information)
     if not 1 <= size <= number or comb(number, size) > MOST_SUBSETS:
@@ -115,9 +109,6 @@ def in_words(direction: ArrayLike, names: Sequence[str]) -> str:
     Returns:
         Such as 'F_o: temporalis, left against right', 'F_o against b: masseter, left' or, where more than one of kind,
         muscle and side differs, 'F_o masseter left against b temporalis right'.
-
-    Raises:
-        InputError: the direction does not have one finite number for each name, or is zero.
     """
     weights = np.asarray(direction, dtype=np.float64)
     if weights.shape != (len(names),) or not np.isfinite(weights).all() or not weights.any():
@@ -162,40 +153,24 @@ def _joined(values: tuple[str, ...], every: tuple[str, ...], all_of: str) -> str
 
 @dataclass(frozen=True, eq=False)
 class Combination:
-    """A direction in the space of the p natural-log parameters.
+    """A direction in the space of the p natural-log parameters."""
 
-    Attributes:
-        direction: (p,) of length 1.
-        sd: the posterior's along it.
-        prior_sd: the prior's along it.
-        words: what it is about.
-    """
-
-    direction: Array
-    sd: float
-    prior_sd: float
-    words: str
+    direction: Array  # (p,) of length 1
+    sd: float  # the posterior's along it
+    prior_sd: float  # the prior's along it
+    words: str  # what it is about
 
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """The information of a record about p natural-log parameters, independent of the estimator.
+    """The information of a record about p natural-log parameters, independent of the estimator."""
 
-    Attributes:
-        parameter_names: p names.
-        duration_s: of the record, s.
-        covariance: (p, p) bound at its end.
-        prior_sd: (p,) before the record.
-        information: (p, p) from the data alone.
-        observability: ranks and singular values of motion and parameters together, window by window.
-    """
-
-    parameter_names: tuple[str, ...]
-    duration_s: float
-    covariance: Array
-    prior_sd: Array
-    information: Array
-    observability: Observability
+    parameter_names: tuple[str, ...]  # p names
+    duration_s: float  # of the record, s
+    covariance: Array  # (p, p) bound at its end
+    prior_sd: Array  # (p,) before the record
+    information: Array  # (p, p) from the data alone
+    observability: Observability  # ranks and singular values of motion and parameters together, window by window
 
     @property
     def sd(self) -> Array:
@@ -230,9 +205,6 @@ class Identifiability:
 
         Args:
             number: how many, 1 to p.
-
-        Raises:
-            InputError: not so many.
         """
         size = len(self.prior_sd)
         if not 1 <= number <= size:

@@ -29,14 +29,10 @@ class JointLikelihood:
 
     x are P natural-log parameters, and behind them Q values of the patient's own anatomy in prior sds, as
     ``jawenv.envs.world.own_anatomy.own_values`` has them. It does not depend on where the filter was linearised last.
-
-    Attributes:
-        information: (P + Q, P + Q).
-        vector: (P + Q,).
     """
 
-    information: Array
-    vector: Array
+    information: Array  # (P + Q, P + Q)
+    vector: Array  # (P + Q,)
 
     def posterior(self, mean: Array, cov: Array) -> tuple[Array, Array]:
         """Mean (P + Q) and covariance of x after a normal prior with these.
@@ -51,11 +47,7 @@ class JointLikelihood:
 
 
 def joint_likelihood(simulation: Simulation, index: int) -> JointLikelihood:
-    """The joint likelihood of world ``index``, from its filter so far.
-
-    Raises:
-        InputError: anatomy and device are known exactly.
-    """
+    """The joint likelihood of world ``index``, from its filter so far."""
     if simulation.knowledge.exact:
         raise InputError("knowledge is exact; allowed: knowledge within sds, as imaged")
     return _likelihood(simulation, index, np.array([own_values(values) for values in simulation.nuisance_sds]))

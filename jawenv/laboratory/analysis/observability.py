@@ -40,22 +40,14 @@ class Observability:
     """Observability of the joint state, m = n + p numbers, in W windows that follow each other.
 
     A coordinate of motion that is held (prior sd 0) is known, and counts neither as state nor in the ranks.
-
-    Attributes:
-        start: (W,) s, when each window begins.
-        window_s: length of a window, s.
-        states: free numbers of motion and parameters: the largest possible rank.
-        singular_values: (W, states) of the scaled rows of each window, largest first.
-        growing_rank: (W,) rank of all rows from the record's start to the end of each window.
-        frozen_rank: (W,) rank of the observability matrix with A frozen at the start of each window.
     """
 
-    start: Array
-    window_s: float
-    states: int
-    singular_values: Array
-    growing_rank: NDArray[np.intp]
-    frozen_rank: NDArray[np.intp]
+    start: Array  # (W,) s, when each window begins
+    window_s: float  # length of a window, s
+    states: int  # free numbers of motion and parameters: the largest possible rank
+    singular_values: Array  # (W, states) of the scaled rows of each window, largest first
+    growing_rank: NDArray[np.intp]  # (W,) rank of all rows from the record's start to the end of each window
+    frozen_rank: NDArray[np.intp]  # (W,) rank of the observability matrix with A frozen at the start of each window
 
     @property
     def rank(self) -> NDArray[np.intp]:
@@ -158,9 +150,6 @@ def observability(record: Record, parameters: Array | None = None, window_s: flo
         record: with ``states``, see ``bound.bound_along``.
         parameters: (p,) natural-log parameters; None for the record's ``truth``.
         window_s: length of a window, s; what is left over at the record's end is not looked at.
-
-    Raises:
-        InputError: as ``bound_along``, or a window shorter than a tick or longer than the record.
     """
     ticks_each = round(window_s / record.dt) if np.isfinite(window_s) else 0
     ticks = len(record.time) - 1

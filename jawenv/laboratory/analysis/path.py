@@ -17,33 +17,19 @@ Array = NDArray[np.float64]
 
 
 class MotionPath(NamedTuple):
-    """A known motion of T ticks, n states and p parameters, with what is known about noise.
+    """A known motion of T ticks, n states and p parameters, with what is known about noise."""
 
-    Attributes:
-        jaw: the model, a record of dtype ``jaw_dtype``.
-        muscles: (lines, 2) F_o (N) and b of each line along the motion.
-        states: (T + 1, n) motion at the ticks' ends.
-        wrenches: (T, 3, 6) wrench on the mouthpiece at start, middle and end of each tick.
-        samples: (T, 3, 6) what the load cell read of them; its trend is what the gain error multiplies.
-        used: (T + 1, 12) uint8, which encoder values were read.
-        covariance: (n + p + 1, n + p + 1) before the first measurement: motion, parameters, gain error.
-        measurement_variance: (12,).
-        noise_variance: (12,) of the wrench not known, new in each tick: constant over it, and tilting.
-        dt: s.
-        scratch: working memory of the filter's kernels.
-    """
-
-    jaw: Any
-    muscles: Array
-    states: Array
-    wrenches: Array
-    samples: Array
-    used: NDArray[np.uint8]
-    covariance: Array
-    measurement_variance: Array
-    noise_variance: Array
-    dt: float
-    scratch: Any
+    jaw: Any  # the model, a record of dtype ``jaw_dtype``
+    muscles: Array  # (lines, 2) F_o (N) and b of each line along the motion
+    states: Array  # (T + 1, n) motion at the ticks' ends
+    wrenches: Array  # (T, 3, 6) wrench on the mouthpiece at start, middle and end of each tick
+    samples: Array  # (T, 3, 6) what the load cell read of them; its trend is what the gain error multiplies
+    used: NDArray[np.uint8]  # (T + 1, 12) uint8, which encoder values were read
+    covariance: Array  # (n + p + 1, n + p + 1) before the first measurement: motion, parameters, gain error
+    measurement_variance: Array  # (12,)
+    noise_variance: Array  # (12,) of the wrench not known, new in each tick: constant over it, and tilting
+    dt: float  # s
+    scratch: Any  # working memory of the filter's kernels
 
 
 def path_of(record: Record, parameters: Array | None = None) -> MotionPath:
@@ -52,10 +38,6 @@ def path_of(record: Record, parameters: Array | None = None) -> MotionPath:
     Args:
         record: with ``states``. Without ``wrenches`` the load cell's samples stand for them.
         parameters: (p,) natural-log parameters; None for the record's ``truth``.
-
-    Raises:
-        InputError: the record is not exact, has no states, or no truth and no parameters are given, or they are not p
-            finite numbers.
     """
     record.require_exact("bound or analysis along a path")
     if record.states is None:

@@ -27,9 +27,6 @@ def check_columns(table: RecordTable, size: int) -> None:
     Args:
         table: as read.
         size: number of the states (q, u) of the model.
-
-    Raises:
-        InputError: it is not so.
     """
     allowed_names = [
         TIME,
@@ -65,11 +62,7 @@ def has_any(table: RecordTable, columns: Sequence[Column]) -> bool:
 
 
 def even_time(table: RecordTable) -> Array:
-    """The times from 0, evenly spaced: jitter of a few per cent of a step, and rounding of the stamps, are taken out.
-
-    Raises:
-        InputError: fewer than two times, one that is missing, or uneven ones.
-    """
+    """The times from 0, evenly spaced, without jitter of a few per cent of a step and rounding of the stamps."""
     if TIME not in table.columns:
         names = ", ".join(map(shown, list(table.columns)[:3]))
         raise InputError(

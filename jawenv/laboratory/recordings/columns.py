@@ -21,21 +21,13 @@ DEG = degrees(1.0)
 
 @dataclass(frozen=True)
 class Column:
-    """One column.
+    """One column."""
 
-    Attributes:
-        name: as in the file's first row.
-        field: the array of the record that it belongs to.
-        index: place in a row of that array.
-        scale: number in the file per SI unit.
-        what: one line for people.
-    """
-
-    name: str
-    field: str
-    index: tuple[int, ...]
-    scale: float
-    what: str
+    name: str  # as in the file's first row
+    field: str  # the array of the record that it belongs to
+    index: tuple[int, ...]  # place in a row of that array
+    scale: float  # number in the file per SI unit
+    what: str  # one line for people
 
 
 def _encoders() -> list[Column]:

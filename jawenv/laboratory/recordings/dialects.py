@@ -20,21 +20,13 @@ _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Sheet:
-    """The cells of a file.
+    """The cells of a file."""
 
-    Attributes:
-        comments: number and text of the lines that begin with ``#``, above the names.
-        names: of the columns.
-        units: what the row below the names says of their units; empty without such a row.
-        rows: cells, as many as names.
-        lines: number of each row in the file.
-    """
-
-    comments: list[tuple[int, str]]
-    names: list[str]
-    units: list[str]
-    rows: list[list[str]]
-    lines: list[int]
+    comments: list[tuple[int, str]]  # number and text of the lines that begin with ``#``, above the names
+    names: list[str]  # of the columns
+    units: list[str]  # what the row below the names says of their units; empty without such a row
+    rows: list[list[str]]  # cells, as many as names
+    lines: list[int]  # number of each row in the file
 
 
 def read_sheet(path: Path, largest: int) -> Sheet:
@@ -42,9 +34,6 @@ def read_sheet(path: Path, largest: int) -> Sheet:
 
     Comments and empty lines are passed over. A first column without a name, such as the index of pandas, and empty
     columns without one are left out.
-
-    Raises:
-        InputError: no such file, no text, no table, or a row with too few or too many cells.
     """
     numbered = list(enumerate(decoded(path, largest).splitlines(), 1))
     comments = []

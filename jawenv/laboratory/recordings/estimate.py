@@ -16,22 +16,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """An estimator's belief about p natural-log parameters at K times.
+    """An estimator's belief about p natural-log parameters at K times."""
 
-    Attributes:
-        name: of the estimator.
-        time: (K,) s; a method that looks at the whole record at once has only the last.
-        mean: (K, p).
-        cov: (K, p, p).
-
-    Raises:
-        InputError: an array has the wrong shape.
-    """
-
-    name: str
-    time: Array
-    mean: Array
-    cov: Array
+    name: str  # of the estimator
+    time: Array  # (K,) s; a method that looks at the whole record at once has only the last
+    mean: Array  # (K, p)
+    cov: Array  # (K, p, p)
 
     def __post_init__(self) -> None:
         """Check the shapes against each other."""

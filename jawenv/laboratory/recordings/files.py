@@ -53,9 +53,6 @@ def save_record(record: Record, path: PathLike) -> None:
     Args:
         record: what a device has measured.
         path: ending in ``.csv`` or ``.parquet``; an existing file is replaced.
-
-    Raises:
-        InputError: another ending, Parquet without pyarrow, or a folder that cannot be written to.
     """
     target = checked_path(path)
     columns = {TIME: record.time}
@@ -104,9 +101,6 @@ def load_record(
         truth: (p,) natural-log parameters, if known; None.
         columns: mapping file with the names, units and signs that the file has for the columns of docs/recordings.md.
         resample_hz: rows per second to which uneven times are interpolated.
-
-    Raises:
-        InputError: a file, column, row or argument that cannot be used.
     """
     given = path if isinstance(path, RecordTable) else read_table(checked_path(path), WORDS)
     table = mapped(given, {} if columns is None else read_columns(Path(columns)))

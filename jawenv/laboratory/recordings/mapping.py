@@ -31,25 +31,15 @@ UNITS: dict[str, dict[str, float]] = {
 
 
 class Source(InputModel):
-    """Where a column comes from.
+    """Where a column comes from."""
 
-    Attributes:
-        name: of the file's column.
-        unit: of its numbers; by default the project's.
-        sign: -1 where its axis points the other way.
-    """
-
-    name: str
-    unit: str | None = None
-    sign: Literal[1, -1] = 1
+    name: str  # of the file's column
+    unit: str | None = None  # of its numbers; by default the project's
+    sign: Literal[1, -1] = 1  # -1 where its axis points the other way
 
 
 def read_columns(path: Path) -> dict[str, Source]:
-    """Read a mapping file: for each column of the project its name, unit and sign in the file.
-
-    Raises:
-        InputError: the file cannot be read, or names what is not known.
-    """
+    """Read a mapping file: for each column of the project its name, unit and sign in the file."""
     data: Mapping[str, Any] = read_mapping(path)
     for name in data:
         if name not in NAMES:
@@ -64,11 +54,7 @@ def read_columns(path: Path) -> dict[str, Source]:
 
 
 def mapped(table: RecordTable, sources: Mapping[str, Source]) -> RecordTable:
-    """The table with the project's columns and units; without a mapping the same, with the row of units checked.
-
-    Raises:
-        InputError: a column is not in the file, or a unit in the file is another than is said.
-    """
+    """The table with the project's columns and units; without a mapping the same, with the row of units checked."""
     columns = {name: values for name, values in table.columns.items() if name in NAMES or not sources}
     units = {name: unit for name, unit in table.units.items() if name in columns and unit}
     for name, source in sources.items():
@@ -106,11 +92,7 @@ def _unit_of(name: str) -> str:
 
 
 def factor(name: str, unit: str, path: str) -> float:
-    """The factor from a unit to that of a column of the project.
-
-    Raises:
-        InputError: an unknown unit.
-    """
+    """The factor from a unit to that of a column of the project."""
     allowed = UNITS[_unit_of(name)]
     symbols = {_plain(symbol): scale for symbol, scale in allowed.items()}
     capitals = {symbol.casefold(): scale for symbol, scale in symbols.items() if not symbol.startswith("mN")}

@@ -37,10 +37,6 @@ def read_parquet(path: Path, largest: int = LARGEST_DATA) -> pa.Table:
     Args:
         path: of the file.
         largest: size of the table in memory that is allowed, bytes.
-
-    Raises:
-        InputError: no such file, no regular one, or a table that is larger.
-        pa.ArrowException: the file is damaged, or does not fit its checksums; also OSError and ValueError.
     """
     with open_file(path) as file:
         parquet = pq.ParquetFile(file, page_checksum_verification=True)

@@ -37,19 +37,12 @@ MOST = 99.0
 
 @dataclass(frozen=True)
 class Finding:
-    """One quantity of a recording.
+    """One quantity of a recording."""
 
-    Attributes:
-        columns: that show it.
-        value: what they hold, with unit.
-        allowed: what a jaw on a device can show, and what to look at.
-        plausible: whether it does.
-    """
-
-    columns: str
-    value: str
-    allowed: str
-    plausible: bool
+    columns: str  # that show it
+    value: str  # what they hold, with unit
+    allowed: str  # what a jaw on a device can show, and what to look at
+    plausible: bool  # whether it does
 
 
 def findings(record: Record) -> list[Finding]:

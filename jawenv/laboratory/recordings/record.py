@@ -27,58 +27,39 @@ class Record:
     """One episode as the device saw it, T ticks long, and what it knew before; SI units, p parameters, n states.
 
     Tick k leads from ``time[k]`` to ``time[k + 1]``. A value that was not read is NaN.
-
-    Attributes:
-        time: (T + 1,) s; even spacing.
-        measured: (T + 1, 12) encoders at those times: mouthpiece position (m, head axes), Euler angles theta, psi,
-            alpha (rad), mouthpiece velocity (m/s), angular velocity (rad/s, body axes).
-        samples: (T, 3, 6) load cell at start, middle and end of each tick: force (N) and moment (N m) of the device
-            on the mouthpiece, body axes; of the parabola that fits the tick best (``load_cell``).
-        start_mean: (n,) believed motion (q, u) before the first measurement.
-        start_sd: (n,) its sd; 0 for a coordinate that cannot move.
-        measurement_sd: (12,) noise of the encoders.
-        wrench_sd: (6,) sd of the wrench not known, constant over a tick and new in each: what no model explains, and
-            the noise of the mean of a tick's load-cell samples. Of a disturbance with memory the latter alone.
-        cell_sd: (6,) sd of the latter alone.
-        gain_sd: sd of the load cell's relative gain error, one value for the record.
-        jaw: geometry and mass as the estimator believes them, a record of dtype ``jaw_dtype``.
-        prior: belief about the parameters before the record.
-        parameter_names: p names.
-        knowledge: within which sds geometry, mass, mounting and load cell are known.
-        disturbance_time_s: time constant of the memory of the unmodelled wrench; 0 for none.
-        disturbance_sd: (6,) its sd where it has memory.
-        force_sensor: how the device knows its force: what ``samples`` are of.
-        device: that measured it, None if unknown; read only where no load cell reads the force, for its sds.
-        control: of its motors, "force", "trajectory" or "targets"; no estimator reads it.
-        truth: (p,) the patient's natural-log parameters; None if unknown. For evaluation only.
-        states: (T + 1, n) true motion; None if unknown. For evaluation only.
-        wrenches: (T, 3, 6) what ``samples`` would be without the load cell's errors; likewise.
-
-    Raises:
-        InputError: an array has the wrong shape, or holds what it must not.
     """
 
-    time: Array
+    time: Array  # (T + 1,) s; even spacing
     measured: Array
+    """(T + 1, 12) encoders at those times: mouthpiece position (m, head axes), Euler angles theta, psi, alpha (rad),
+    mouthpiece velocity (m/s), angular velocity (rad/s, body axes).
+    """
     samples: Array
-    start_mean: Array
-    start_sd: Array
-    measurement_sd: Array
+    """(T, 3, 6) load cell at start, middle and end of each tick: force (N) and moment (N m) of the device on the
+    mouthpiece, body axes; of the parabola that fits the tick best (``load_cell``).
+    """
+    start_mean: Array  # (n,) believed motion (q, u) before the first measurement
+    start_sd: Array  # (n,) its sd; 0 for a coordinate that cannot move
+    measurement_sd: Array  # (12,) noise of the encoders
     wrench_sd: Array
-    cell_sd: Array
-    gain_sd: float
-    jaw: Any
-    prior: Prior
-    parameter_names: tuple[str, ...]
-    knowledge: Knowledge = Knowledge()
-    disturbance_time_s: float = 0.0
-    disturbance_sd: Array = field(default_factory=lambda: np.zeros(N_WRENCH))
-    force_sensor: ForceSensor = "cell"
+    """(6,) sd of the wrench not known, constant over a tick and new in each: what no model explains, and the noise
+    of the mean of a tick's load-cell samples. Of a disturbance with memory the latter alone.
+    """
+    cell_sd: Array  # (6,) sd of the latter alone
+    gain_sd: float  # sd of the load cell's relative gain error, one value for the record
+    jaw: Any  # geometry and mass as the estimator believes them, a record of dtype ``jaw_dtype``
+    prior: Prior  # belief about the parameters before the record
+    parameter_names: tuple[str, ...]  # p names
+    knowledge: Knowledge = Knowledge()  # within which sds geometry, mass, mounting and load cell are known
+    disturbance_time_s: float = 0.0  # time constant of the memory of the unmodelled wrench; 0 for none
+    disturbance_sd: Array = field(default_factory=lambda: np.zeros(N_WRENCH))  # (6,) its sd where it has memory
+    force_sensor: ForceSensor = "cell"  # how the device knows its force: what ``samples`` are of
     device: Device | None = None
-    control: Control = "force"
-    truth: Array | None = None
-    states: Array | None = None
-    wrenches: Array | None = None
+    """That measured it, None if unknown; read only where no load cell reads the force, for its sds."""
+    control: Control = "force"  # of its motors, "force", "trajectory" or "targets"; no estimator reads it
+    truth: Array | None = None  # (p,) the patient's natural-log parameters; None if unknown. For evaluation only
+    states: Array | None = None  # (T + 1, n) true motion; None if unknown. For evaluation only
+    wrenches: Array | None = None  # (T, 3, 6) what ``samples`` would be without the load cell's errors; likewise
 
     def __post_init__(self) -> None:
         """Check shapes, spacing and signs."""
@@ -138,11 +119,7 @@ class Record:
         return known and bool(np.isfinite(self.samples).all())
 
     def require_exact(self, method: str) -> None:
-        """Check that ``method`` can be used, which integrates nothing out but the load cell's gain error.
-
-        Raises:
-            InputError: the record is not ``exact``.
-        """
+        """Check that ``method`` can be used, which integrates nothing out but the load cell's gain error."""
         if not self.exact:
             has = (
                 (not self.knowledge.exact, "knowledge that is not exact"),
@@ -159,11 +136,7 @@ class Record:
         return np.concatenate([self.wrench_sd**2, self.cell_sd**2])
 
     def until(self, seconds: float) -> Record:
-        """The record of its first ``seconds``.
-
-        Raises:
-            InputError: less than one tick, or more than there is.
-        """
+        """The record of its first ``seconds``."""
         ticks = round(seconds / self.dt)
         if not 1 <= ticks < len(self.time):
             raise InputError(f"until is {seconds} s; allowed: {self.dt:g} to {self.time[-1]:g} s")

@@ -23,9 +23,6 @@ def resampled(table: RecordTable, hz: float) -> RecordTable:
     Args:
         table: with growing times.
         hz: rows per second.
-
-    Raises:
-        InputError: times do not grow or have a gap, or ``hz`` is not allowed.
     """
     if not 1.0 / LARGEST_GAP <= hz <= FASTEST:
         raise InputError(f"resample is {hz:g} Hz; allowed: {1.0 / LARGEST_GAP:g} to {FASTEST:g}")

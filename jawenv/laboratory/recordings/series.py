@@ -56,11 +56,7 @@ def wrenches(table: RecordTable, columns: tuple[Column, ...]) -> Array:
 
 
 def samples(table: RecordTable, slack: bool) -> Array:
-    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated.
-
-    Raises:
-        InputError: nothing was read of a component, and there are no slack straps.
-    """
+    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated."""
     form = SAMPLES if has_any(table, SAMPLES) else READINGS
     for column in form:
         if not (slack or np.isfinite(_column(table, column)).any()):

@@ -29,21 +29,13 @@ _KEY = b"jawenv.record"
 
 @dataclass(frozen=True)
 class RecordTable:
-    """A file as read.
+    """A file as read."""
 
-    Attributes:
-        path: its name, for messages.
-        columns: numbers by the columns' names; NaN where a cell is empty.
-        lines: number that each row has in the file.
-        header: what the file says about itself.
-        units: what a row of units says, by the columns' names.
-    """
-
-    path: str
-    columns: dict[str, Array]
-    lines: NDArray[np.int64]
-    header: dict[str, Any]
-    units: dict[str, str] = field(default_factory=dict)
+    path: str  # its name, for messages
+    columns: dict[str, Array]  # numbers by the columns' names; NaN where a cell is empty
+    lines: NDArray[np.int64]  # number that each row has in the file
+    header: dict[str, Any]  # what the file says about itself
+    units: dict[str, str] = field(default_factory=dict)  # what a row of units says, by the columns' names
 
     def fail(self, column: str, row: int, value: str, allowed: str) -> InputError:
         """The error that names a cell."""
@@ -51,11 +43,7 @@ class RecordTable:
 
 
 def checked_path(path: str | os.PathLike[str]) -> Path:
-    """The path, if its ending is one of ``FORMATS``.
-
-    Raises:
-        InputError: it is not.
-    """
+    """The path, if its ending is one of ``FORMATS``."""
     target = Path(path)
     if target.suffix not in FORMATS:
         raise InputError(f"{target}: the file's ending is {target.suffix!r}; allowed: {' or '.join(FORMATS)}")
@@ -63,11 +51,7 @@ def checked_path(path: str | os.PathLike[str]) -> Path:
 
 
 def write_table(path: Path, columns: dict[str, Array], header: dict[str, Any]) -> None:
-    """Write columns of one length, wholly or not at all; NaN becomes an empty cell.
-
-    Raises:
-        InputError: Parquet without pyarrow, or a file that cannot be written.
-    """
+    """Write columns of one length, wholly or not at all; NaN becomes an empty cell."""
     data = _csv(columns, header) if path.suffix == ".csv" else _parquet(columns, header)
     with atomic_write(path) as unfinished:
         unfinished.write_bytes(data)
@@ -79,9 +63,6 @@ def read_table(path: Path, words: Collection[str]) -> RecordTable:
     Args:
         path: of the file.
         words: names that its words about itself may have; other comments of a CSV file are passed over.
-
-    Raises:
-        InputError: no file, no table, or a cell that is no number.
     """
     return _read_csv(path, words) if path.suffix == ".csv" else _read_parquet(path)
 

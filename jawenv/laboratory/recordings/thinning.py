@@ -42,9 +42,6 @@ def thinned(record: Record, every: int) -> Record:
     Args:
         record: of T ticks.
         every: 1 to T.
-
-    Raises:
-        InputError: ``every`` is not a whole number from 1 to T.
     """
     last = _whole_ticks(record, every)
     rows = slice(0, last + 1, every)
@@ -72,9 +69,6 @@ def divided(record: Record, parts: int) -> Record:
     Args:
         record: of T ticks.
         parts: >= 1; the result has T times as many ticks. Its true states and wrenches between are not known.
-
-    Raises:
-        InputError: ``parts`` is not a whole number from 1 on.
     """
     if isinstance(parts, bool) or not isinstance(parts, int | np.integer) or parts < 1:
         raise InputError(f"divided: parts is {parts!r}; allowed: a whole number from 1 on")

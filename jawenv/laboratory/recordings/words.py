@@ -30,11 +30,7 @@ WORDS = (*TEXTS, *OBJECTS, *NUMBERS)
 
 
 def check_texts(table: RecordTable) -> None:
-    """Check that names are names, and that a prior is whole.
-
-    Raises:
-        InputError: one is not.
-    """
+    """Check that names are names, and that a prior is whole."""
     for name in TEXTS:
         if name in table.header and not isinstance(table.header[name], str):
             value = shown(table.header[name])
@@ -50,9 +46,6 @@ def check_numbers(table: RecordTable, sizes: Mapping[str, int]) -> None:
     Args:
         table: as read.
         sizes: how many ``states`` and ``parameters`` the model has.
-
-    Raises:
-        InputError: a word holds what it must not.
     """
     for name, (size, low, high) in NUMBERS.items():
         if name not in table.header:

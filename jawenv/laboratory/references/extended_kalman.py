@@ -43,9 +43,6 @@ class ExtendedKalman:
             "linear" to the prior's median. 0 for none.
         parameter_time: time constant of that sd's decay, s; ``math.inf`` for a constant noise.
         every: ticks between the kept estimates; the last is always kept.
-
-    Raises:
-        InputError: an argument is out of range.
     """
 
     def __init__(

@@ -30,29 +30,17 @@ Array = NDArray[np.float64]
 
 
 class Problem(NamedTuple):
-    """A record of T ticks and how its p parameters are filtered; all that the kernels only read.
+    """A record of T ticks and how its p parameters are filtered; all that the kernels only read."""
 
-    Attributes:
-        jaw: record of dtype ``jaw_dtype``.
-        measured: (T + 1, 12); NaN was not read.
-        samples: (T, 3, 6) of the load cell.
-        dt: s.
-        variances: (12,) of the encoders.
-        noise_variance: (12,) of the wrench not known, constant over a tick and tilting.
-        parameter_noise: (T, p) variance that the parameters receive in each tick.
-        linear: whether the parameters are F_o and b themselves.
-        floor: (p,) least value of a linear parameter: a muscle has no negative tension.
-    """
-
-    jaw: Any
-    measured: Array
-    samples: Array
-    dt: float
-    variances: Array
-    noise_variance: Array
-    parameter_noise: Array
-    linear: bool
-    floor: Array
+    jaw: Any  # record of dtype ``jaw_dtype``
+    measured: Array  # (T + 1, 12); NaN was not read
+    samples: Array  # (T, 3, 6) of the load cell
+    dt: float  # s
+    variances: Array  # (12,) of the encoders
+    noise_variance: Array  # (12,) of the wrench not known, constant over a tick and tilting
+    parameter_noise: Array  # (T, p) variance that the parameters receive in each tick
+    linear: bool  # whether the parameters are F_o and b themselves
+    floor: Array  # (p,) least value of a linear parameter: a muscle has no negative tension
 
 
 @njit

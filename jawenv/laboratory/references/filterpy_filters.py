@@ -130,9 +130,6 @@ class FilterpyExtendedKalman:
         every: ticks between the kept estimates; the last is always kept.
         compiled_model: whether to take the compiled model for any jaw: the same numbers to rounding, some forty times
             as fast, and a check of the filter's algebra alone.
-
-    Raises:
-        InputError: an argument is out of range.
     """
 
     name = "extended Kalman, filterpy"
@@ -166,9 +163,6 @@ class FilterpyUnscentedKalman:
         parameter_time: likewise, s.
         every: ticks between the kept estimates; the last is always kept.
         alpha: spread of the sigma points, in (0, 1].
-
-    Raises:
-        InputError: an argument is out of range.
     """
 
     name = "unscented Kalman, filterpy"

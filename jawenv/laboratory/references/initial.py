@@ -21,9 +21,6 @@ def initial_belief(record: Record) -> tuple[Array, Array]:
 
     Returns:
         (n + p + 1,) and (n + p + 1, n + p + 1).
-
-    Raises:
-        InputError: the record is not exact.
     """
     record.require_exact("reference filter or smoother")
     mean = np.concatenate([record.start_mean, record.prior.mean, [0.0]])
@@ -70,11 +67,7 @@ def parameter_noise(record: Record, rate: float, time_constant: float) -> Array:
 
 
 def check_noise(name: str, rate: float, time_constant: float) -> None:
-    """Check the law of the parameters' noise of the estimator ``name``.
-
-    Raises:
-        InputError: a negative rate, or a time constant that is not positive.
-    """
+    """Check the law of the parameters' noise of the estimator ``name``."""
     if not 0.0 <= rate < np.inf:
         raise InputError(f"{name}: parameter_rate is {rate!r}; allowed: numbers from 0 on")
     if not time_constant > 0.0:
@@ -88,10 +81,6 @@ def output_ticks(record: Record, every: int) -> NDArray[np.int64]:
 
 
 def check_every(name: str, every: int) -> None:
-    """Check by how many ticks the kept estimates of the estimator ``name`` are apart.
-
-    Raises:
-        InputError: less than one.
-    """
+    """Check by how many ticks the kept estimates of the estimator ``name`` are apart."""
     if every < 1:
         raise InputError(f"{name}: every is {every!r}; allowed: whole numbers from 1 on")

@@ -58,9 +58,6 @@ class ModeSearch:
 
     Args:
         times: s, ends of the shortened records to estimate from; None for the whole record alone.
-
-    Raises:
-        InputError: ``times`` do not grow.
     """
 
     name = "mode search"

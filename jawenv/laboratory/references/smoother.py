@@ -51,52 +51,33 @@ SMALLEST_STEP = 1e-4  # of a Gauss-Newton step
 
 @dataclass(frozen=True, eq=False)
 class SmoothedPath:
-    """A motion that the model makes exactly.
+    """A motion that the model makes exactly."""
 
-    Attributes:
-        states: (T + 1, n).
-        wrenches: (T, 12) unknown wrench of each tick, N and N m: constant over it, and tilting from -1 to 1.
-        parameters: (p,) natural logs.
-        cost: half the sum of squares, in sds.
-    """
-
-    states: Array
-    wrenches: Array
-    parameters: Array
-    cost: float
+    states: Array  # (T + 1, n)
+    wrenches: Array  # (T, 12) unknown wrench of each tick, N and N m: constant over it, and tilting from -1 to 1
+    parameters: Array  # (p,) natural logs
+    cost: float  # half the sum of squares, in sds
 
 
 @dataclass(frozen=True, eq=False)
 class FoundPath:
-    """The most probable path.
+    """The most probable path."""
 
-    Attributes:
-        path: it.
-        path_cov: (p, p) of its parameters: inverse of the Gauss-Newton Hessian, with the load cell's gain error
-            considered.
-        costs: of every path on the way, the first included, since the model's steps were last divided anew.
-        step: largest change of a parameter that the last step asked for, in posterior sds.
-        converged: whether that is within the tolerance.
-    """
-
-    path: SmoothedPath
+    path: SmoothedPath  # it
     path_cov: Array
+    """(p, p) of its parameters: inverse of the Gauss-Newton Hessian, with the load cell's gain error considered."""
     costs: tuple[float, ...]
-    step: float
-    converged: bool
+    """Of every path on the way, the first included, since the model's steps were last divided anew."""
+    step: float  # largest change of a parameter that the last step asked for, in posterior sds
+    converged: bool  # whether that is within the tolerance
 
 
 @dataclass(frozen=True, eq=False)
 class Smoothed(FoundPath):
-    """The most probable path, and the parameters whatever the motion.
+    """The most probable path, and the parameters whatever the motion."""
 
-    Attributes:
-        mean: (p,) of the natural-log parameters, the motion integrated out.
-        cov: (p, p) of them.
-    """
-
-    mean: Array
-    cov: Array
+    mean: Array  # (p,) of the natural-log parameters, the motion integrated out
+    cov: Array  # (p, p) of them
 
 
 class IteratedSmoother:
@@ -117,9 +98,6 @@ class IteratedSmoother:
         max_iterations: of Gauss-Newton.
         tolerance: largest step of a parameter, in its posterior sds, at which the search ends.
         times: s, ends of the shortened records to estimate from; None for the whole record alone.
-
-    Raises:
-        InputError: an argument is out of range.
     """
 
     name = "iterated smoother"

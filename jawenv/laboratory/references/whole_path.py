@@ -78,29 +78,17 @@ def path_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[
 
 
 class PathProblem(NamedTuple):
-    """A record of T ticks as a least-squares problem; all that the kernels only read.
+    """A record of T ticks as a least-squares problem; all that the kernels only read."""
 
-    Attributes:
-        jaw: record of dtype ``jaw_dtype``.
-        measured: (T + 1, 12); NaN was not read.
-        samples: (T, 3, 6) of the load cell.
-        trends: (T, 6) of the load cell, at the start of each tick.
-        dt: s.
-        parts: (T,) into how many parts each tick is divided.
-        variances: (12,) of the encoders.
-        wrench_variances: (T, 12) of the unknown wrenches.
-        tolerance: (n,) variances within which a motion wanted is kept.
-    """
-
-    jaw: Any
-    measured: Array
-    samples: Array
-    trends: Array
-    dt: float
-    parts: NDArray[np.int64]
-    variances: Array
-    wrench_variances: Array
-    tolerance: Array
+    jaw: Any  # record of dtype ``jaw_dtype``
+    measured: Array  # (T + 1, 12); NaN was not read
+    samples: Array  # (T, 3, 6) of the load cell
+    trends: Array  # (T, 6) of the load cell, at the start of each tick
+    dt: float  # s
+    parts: NDArray[np.int64]  # (T,) into how many parts each tick is divided
+    variances: Array  # (12,) of the encoders
+    wrench_variances: Array  # (T, 12) of the unknown wrenches
+    tolerance: Array  # (n,) variances within which a motion wanted is kept
 
 
 @njit

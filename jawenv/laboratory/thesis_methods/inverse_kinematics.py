@@ -51,9 +51,6 @@ def expected_measurements(jaw: Any, states: Array) -> tuple[Array, Array, Array]
 
     Returns:
         (N, 12) readings, (N, 12, 10) their derivatives by the state, (N, 5) rates of q.
-
-    Raises:
-        InputError: the jaw is not of the midline model.
     """
     if jaw["condyles"] != 1:
         raise InputError(f"jaw.condyles is {jaw['condyles']}; allowed: 1: the midline model")
@@ -80,9 +77,6 @@ def motion_from_pose(
 
     Returns:
         (N, 10) states (q, u) and (N, 10, 10) their covariance; 0 for what cannot move.
-
-    Raises:
-        InputError: a shape is wrong, a reading is missing, or the jaw is not of the midline model.
     """
     if np.shape(start_mean) != (N_STATES,):
         raise InputError(f"start_mean has shape {np.shape(start_mean)}; allowed: ({N_STATES},): the midline model")

@@ -24,14 +24,10 @@ class LinearLeastSquares:
 
     Linear in F_o and F_o b, so a pseudo-inverse solves it; and wrong, for at b = 8 a strain of 0.3 gives 3.4 F_o where
     the law gives 11.0 F_o. The covariance is that of the regression about its own misfit and knows nothing of that.
-
-    Attributes:
-        rows: of the balance: the three moments (Young) or all five.
-        smoothing_s: window of the balance's smoothing (s).
     """
 
-    rows: Rows = "all"
-    smoothing_s: float = SMOOTHING_S
+    rows: Rows = "all"  # of the balance: the three moments (Young) or all five
+    smoothing_s: float = SMOOTHING_S  # window of the balance's smoothing (s)
     name: str = "linear least squares"
 
     def estimate(self, record: Record) -> Estimate:
@@ -96,23 +92,13 @@ class NonlinearLeastSquares:
     noisy, and correlated with the noise. Where a maneuver excites all muscles apart this hardly matters. Where nearly
     parallel ones hardly move apart, as in a slow opening, the estimate of their difference is biased by many of the
     claimed sds; a filter, for which both are part of the model, is not.
-
-    Attributes:
-        rows: of the balance: the three moments (Young) or all five.
-        starts: how many starts; the first is the prior's mean, the others are drawn from the prior.
-        use_prior: whether the prior belongs to the sum of squares; Young (2016) has none.
-        seed: of the starts.
-        smoothing_s: window of the balance's smoothing (s).
-
-    Raises:
-        InputError: fewer than one start.
     """
 
-    rows: Rows = "all"
-    starts: int = 4
-    use_prior: bool = False
-    seed: int = 0
-    smoothing_s: float = SMOOTHING_S
+    rows: Rows = "all"  # of the balance: the three moments (Young) or all five
+    starts: int = 4  # how many starts; the first is the prior's mean, the others are drawn from the prior
+    use_prior: bool = False  # whether the prior belongs to the sum of squares; Young (2016) has none
+    seed: int = 0  # of the starts
+    smoothing_s: float = SMOOTHING_S  # window of the balance's smoothing (s)
     name: str = "nonlinear least squares"
 
     def __post_init__(self) -> None:

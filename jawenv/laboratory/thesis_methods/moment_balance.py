@@ -94,23 +94,14 @@ def fill_balance(jaw: Jaw, no_muscles, motions, needed, by_wrench, pull, strain)
 
 @dataclass(frozen=True, eq=False)
 class Balance:
-    """N times r equations needed = sum over lines of pull times tension, of m muscles with one or more lines each.
+    """N times r equations needed = sum over lines of pull times tension, of m muscles with one or more lines each."""
 
-    Attributes:
-        needed: (N, r) what the muscles must have exerted: force (N) or moment (N m).
-        by_gain: (N, r) its derivative by the load cell's relative gain error.
-        noise: (r, r) covariance of the noise that the unknown wrench alone makes of one time's rows.
-        pull: (N, lines, r) what a line with 1 N exerts.
-        strain: (N, lines) (l - l_o)/l_o.
-        muscle: (lines,) whose F_o and b a line has.
-    """
-
-    needed: Array
-    by_gain: Array
-    noise: Array
-    pull: Array
-    strain: Array
-    muscle: NDArray[np.int64]
+    needed: Array  # (N, r) what the muscles must have exerted: force (N) or moment (N m)
+    by_gain: Array  # (N, r) its derivative by the load cell's relative gain error
+    noise: Array  # (r, r) covariance of the noise that the unknown wrench alone makes of one time's rows
+    pull: Array  # (N, lines, r) what a line with 1 N exerts
+    strain: Array  # (N, lines) (l - l_o)/l_o
+    muscle: NDArray[np.int64]  # (lines,) whose F_o and b a line has
 
     @property
     def muscles(self) -> int:
@@ -170,9 +161,6 @@ def balance_of(record: Record, *, rows: Rows = "all", smoothing_s: float = SMOOT
         rows: the three moments (Young 2016) or the two forces along the fossa too; of a coordinate that cannot move
             there is none, whatever holds it being unknown.
         smoothing_s: length of the window (s), made an odd number of ticks, at least 3, which smooth nothing.
-
-    Raises:
-        InputError: unknown rows, a window that does not fit the record, or a record that is not usable.
     """
     record.require_exact("balance of moments")
     if rows not in ("moment", "all"):

@@ -31,9 +31,6 @@ def compatible_range(jaw: Any, pose: ArrayLike, lower: ArrayLike, upper: ArrayLi
 
     Returns:
         (5, 2) least and greatest value of each coordinate among the poses that the same point is compatible with.
-
-    Raises:
-        InputError: bounds in the wrong order, or a search that did not end.
     """
     low, high = _bounds(lower, upper)
     width, start = high - low, np.asarray(pose, dtype=np.float64)

@@ -31,23 +31,15 @@ NUDGE = 1e-5  # of ln F_o, for the derivative of stage 2 by it
 
 @dataclass(frozen=True)
 class TwoStageLogLinear:
-    """The method of Young (2016), section A.4, of muscles with one line each or lines that share a strain.
-
-    Attributes:
-        form: ``difference``: sum of b_i e_i = ln d - sum of ln(a_i F_oi), exact for one muscle with F_o known;
-            ``product``: eq. A.40 to the letter.
-        small_share: share of the record, its times of least strain, that is taken for the small opening.
-        rows: of the balance: the three moments (Young) or all five.
-        smoothing_s: window of the balance's smoothing (s).
-
-    Raises:
-        InputError: an unknown form, or a share outside (0, 1).
-    """
+    """The method of Young (2016), section A.4, of muscles with one line each or lines that share a strain."""
 
     form: Literal["difference", "product"] = "difference"
-    small_share: float = 0.2
-    rows: Rows = "moment"
-    smoothing_s: float = SMOOTHING_S
+    """``difference``: sum of b_i e_i = ln d - sum of ln(a_i F_oi), exact for one muscle with F_o known; ``product``:
+    eq. A.40 to the letter.
+    """
+    small_share: float = 0.2  # share of the record, its times of least strain, that is taken for the small opening
+    rows: Rows = "moment"  # of the balance: the three moments (Young) or all five
+    smoothing_s: float = SMOOTHING_S  # window of the balance's smoothing (s)
     name: str = "two-stage log-linear"
 
     def __post_init__(self) -> None:

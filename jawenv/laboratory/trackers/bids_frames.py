@@ -21,24 +21,14 @@ ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One level of the column ``reference_frame``.
+    """One level of the column ``reference_frame``."""
 
-    Attributes:
-        axes: (3, 3) from the file's axes to forward, left and up; None where they are not stated.
-        rule: which hand's fingers follow a positive rotation; None likewise.
-        rotation_order: of Euler angles about axes at rest; None likewise.
-    """
-
-    axes: Array | None = None
-    rule: str | None = None
-    rotation_order: str | None = None
+    axes: Array | None = None  # (3, 3) from the file's axes to forward, left and up; None where they are not stated
+    rule: str | None = None  # which hand's fingers follow a positive rotation; None likewise
+    rotation_order: str | None = None  # of Euler angles about axes at rest; None likewise
 
     def sign(self, path: str) -> float:
-        """1 where a positive turn about z leads from x to y, -1 where it leads from y to x.
-
-        Raises:
-            InputError: the file says too little to tell.
-        """
+        """1 where a positive turn about z leads from x to y, -1 where it leads from y to x."""
         mirrored = self.axes is not None and np.linalg.det(self.axes) < 0.0
         if mirrored and self.rule is None:
             raise InputError(f"{path}: RotationRule is missing; allowed with left-handed axes: {' or '.join(RULES)}")
@@ -47,11 +37,7 @@ class Frame:
         return -1.0 if (self.rule == RULES[1]) != mirrored else 1.0
 
     def order(self, path: str) -> str:
-        """The order of Euler angles.
-
-        Raises:
-            InputError: the file does not say.
-        """
+        """The order of Euler angles."""
         if self.rotation_order is None:
             raise InputError(f"{path}: RotationOrder is missing; allowed with angles: {', '.join(ORDERS)}")
         return self.rotation_order
@@ -71,11 +57,7 @@ class Frames:
 
 
 def read_frames(path: Path) -> Frames:
-    """Read ``*_channels.json``; a level may be a mapping, or a text for people. No file is no frame.
-
-    Raises:
-        InputError: a key holds what it must not.
-    """
+    """Read ``*_channels.json``; a level may be a mapping, or a text for people. No file is no frame."""
     if not path.exists():
         return Frames({})
     described = read_mapping(path).get("reference_frame", {})

@@ -35,9 +35,6 @@ def read_bids_motion(path: Path, unit: str | None) -> Tracks:
     """Read positions (POS) and orientations (ORNT) of all tracked points, and wrenches as this module writes them.
 
     Times are those of a LATENCY channel, or else of the effective, or else the nominal rate.
-
-    Raises:
-        InputError: another ending, a missing companion file, column, channel or unit, or a damaged row.
     """
     if not path.name.endswith(MOTION):
         raise InputError(f"{path}: the name ends otherwise; allowed: {MOTION}")
@@ -173,11 +170,7 @@ def matrices(quaternions: Array) -> Array:
 
 
 def write_bids_motion(tracks: Tracks, path: Path) -> None:
-    """Write the body ``jaw`` and its wrench, whose axes are forward, left and up, with the three files beside.
-
-    Raises:
-        InputError: a file cannot be written.
-    """
+    """Write the body ``jaw`` and its wrench, whose axes are forward, left and up, with the three files beside."""
     turned = tracks.rotations[BODY]
     quaternions = np.full((len(turned), 4), np.nan)
     seen = np.isfinite(turned).all(axis=(1, 2))

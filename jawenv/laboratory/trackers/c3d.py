@@ -32,15 +32,10 @@ COUNTED = 65_535
 
 @dataclass(frozen=True)
 class Processor:
-    """How the numbers of a file are written.
+    """How the numbers of a file are written."""
 
-    Attributes:
-        order: of the bytes, ``<`` or ``>``.
-        dec: whether floats are those of a VAX.
-    """
-
-    order: str
-    dec: bool = False
+    order: str  # of the bytes, ``<`` or ``>``
+    dec: bool = False  # whether floats are those of a VAX
 
     def unpack(self, content: bytes, kind: str, at: int) -> tuple[Any, ...]:
         """Numbers of kinds h, H or f at a place."""
@@ -61,11 +56,7 @@ PROCESSORS = {84: Processor("<"), 85: Processor("<", dec=True), 86: Processor(">
 
 
 def read_c3d(path: Path, unit: str | None) -> Tracks:
-    """Read the points and the analog channels of a C3D file.
-
-    Raises:
-        InputError: no C3D file, a damaged or truncated one, or no unit.
-    """
+    """Read the points and the analog channels of a C3D file."""
     content = read_bytes(path, LARGEST_RECORDING)
     if len(content) < BLOCK or content[1] != KEY or content[0] < 2:
         raise InputError(f"{path}: begins with {shown(content[:2])}; allowed: a C3D file")

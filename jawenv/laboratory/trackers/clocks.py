@@ -29,17 +29,11 @@ LARGEST_SD_S = 0.002
 
 @dataclass(frozen=True)
 class Offset:
-    """What the other clock shows when the first shows 0.
+    """What the other clock shows when the first shows 0."""
 
-    Attributes:
-        seconds: of the other clock.
-        sd_s: standard error, of a pure delay and the residual's own memory.
-        correlation: of the two signals at this offset.
-    """
-
-    seconds: float
-    sd_s: float
-    correlation: float
+    seconds: float  # of the other clock
+    sd_s: float  # standard error, of a pure delay and the residual's own memory
+    correlation: float  # of the two signals at this offset
 
 
 def clock_offset(time: Array, signal: Array, other_time: Array, other: Array) -> Offset:
@@ -50,9 +44,6 @@ def clock_offset(time: Array, signal: Array, other_time: Array, other: Array) ->
         signal: (T,), NaN where not read.
         other_time: (S,) s of the other clock, growing.
         other: (S,), NaN likewise.
-
-    Raises:
-        InputError: no correlation of ``LEAST_CORRELATION``, another offset that fits alike, or too large an error.
     """
     first, second = _on_grid(time, signal), _on_grid(other_time, other)
     least = max(3, int(LEAST_OVERLAP * min(len(first), len(second))))

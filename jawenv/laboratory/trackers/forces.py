@@ -34,9 +34,6 @@ def with_force_file(tracks: Tracks, path: Path, mapping: Path | None, offset_s: 
 
     Returns:
         The tracks, and a line that states the offset of the clocks.
-
-    Raises:
-        InputError: a force file without one of its columns, or no offset.
     """
     columns = _force_columns(path, mapping)
     for name in (TIME, *(column.name for column in READINGS)):
@@ -62,11 +59,7 @@ def with_force_file(tracks: Tracks, path: Path, mapping: Path | None, offset_s: 
 
 
 def with_analog_forces(tracks: Tracks, mapping: Path | None) -> tuple[Tracks, str]:
-    """The tracks with the forces in channels of their own file, which are on the same clock.
-
-    Raises:
-        InputError: no channels are named as a recording's columns of force and moment.
-    """
+    """The tracks with the forces in channels of their own file, which are on the same clock."""
     assert tracks.analog is not None, "a file with analog channels"
     sources = {} if mapping is None else read_columns(mapping)
     columns = mapped(tracks.analog, sources).columns | {TIME: tracks.analog.columns[TIME]}
@@ -114,11 +107,7 @@ def at_mouthpiece(wrench: Array, point: Array, place: Array, turned: Array) -> A
 
 
 def only_wrench(tracks: Tracks) -> tuple[Array, Array | None]:
-    """(T, 6) of the file's only wrench, forward, left and up, and the point (T, 3) in mm that it is about.
-
-    Raises:
-        InputError: none, or several.
-    """
+    """(T, 6) of the file's only wrench, forward, left and up, and the point (T, 3) in mm that it is about."""
     if len(tracks.wrenches) != 1:
         raise InputError(f"{tracks.path}: has {len(tracks.wrenches)} wrenches; allowed: one, of force and moment")
     ((name, load),) = tracks.wrenches.items()

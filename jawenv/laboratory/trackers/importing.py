@@ -56,29 +56,17 @@ WRITERS: dict[str, Callable[[Tracks, Path], None]] = {
 
 @dataclass(frozen=True)
 class ImportSettings:
-    """How a tracker's file is read.
+    """How a tracker's file is read."""
 
-    Attributes:
-        forces: file with the load cell's columns; None where the tracker's file has them.
-        landmarks: file with the three dental landmarks; None for a file that is in head axes already.
-        registered: whether it is.
-        jaw: names of a body, or of three or more markers on the lower jaw; None for the only body.
-        head: the same on the head, or ``"fixed"``; None where the file is relative to the head.
-        unit: of lengths, in place of what the file states.
-        offset_s: what the force file's clock shows at 0 of the tracker's; None to find it.
-        columns: mapping file for the forces, or for a recording, as ``load_record`` takes it.
-        resample_hz: rows per second of a recording, to which uneven times are interpolated.
-    """
-
-    forces: Path | None = None
-    landmarks: Path | None = None
-    registered: bool = False
-    jaw: str | None = None
-    head: str | None = None
-    unit: str | None = None
-    offset_s: float | None = None
-    columns: Path | None = None
-    resample_hz: float | None = None
+    forces: Path | None = None  # file with the load cell's columns; None where the tracker's file has them
+    landmarks: Path | None = None  # file with the three dental landmarks; None for a file that is in head axes already
+    registered: bool = False  # whether it is
+    jaw: str | None = None  # names of a body, or of three or more markers on the lower jaw; None for the only body
+    head: str | None = None  # the same on the head, or ``"fixed"``; None where the file is relative to the head
+    unit: str | None = None  # of lengths, in place of what the file states
+    offset_s: float | None = None  # what the force file's clock shows at 0 of the tracker's; None to find it
+    columns: Path | None = None  # mapping file for the forces, or for a recording, as ``load_record`` takes it
+    resample_hz: float | None = None  # rows per second of a recording, to which uneven times are interpolated
 
 
 def import_file(path: Path, output: Path, settings: ImportSettings) -> list[str]:

@@ -32,12 +32,7 @@ BODY = "jaw"
 
 
 def read_opensim(path: Path, unit: str | None) -> Tracks:
-    """Read a MOT or STO file; lengths are in m where neither the file nor the argument says otherwise.
-
-    Raises:
-        InputError: no such file, a truncated one, angles without ``inDegrees``, velocities, or a body or wrench without
-            one of its columns.
-    """
+    """Read a MOT or STO file; lengths are in m where neither the file nor the argument says otherwise."""
     header, names, table = _header_and_table(path)
     columns = dict(zip(names, table.T, strict=True))
     if len(columns) != len(names):
@@ -130,11 +125,7 @@ def _wrenches(columns: dict[str, Array], scale: float, path: Path) -> tuple[dict
 
 
 def write_opensim(tracks: Tracks, path: Path) -> None:
-    """Write the body ``jaw`` and its wrench about the mouthpiece; both are in forward, left and up.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write the body ``jaw`` and its wrench about the mouthpiece; both are in forward, left and up."""
     turned = AXES.T @ tracks.rotations[BODY] @ AXES
     angles = np.full((len(turned), 3), np.nan)
     seen = np.isfinite(turned).all(axis=(1, 2))

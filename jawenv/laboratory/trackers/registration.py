@@ -31,21 +31,18 @@ SMOOTHED = "_smooth"
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The motion of a rigid body since the reference, in which the jaw is closed: x -> turned (x - reference) + place.
-
-    Attributes:
-        turned: (T, 3, 3) rotation since the reference; NaN where the tracker lost the body.
-        place: (T, 3) mm of the body's origin; NaN likewise.
-        reference: (3,) mm of it in the reference.
-        residual_mm: root mean square distance of markers from a rigid body; 0 for a body of the tracker's own.
-        worst_mm: the same of the worst row.
-    """
+    """A rigid body's motion since the reference with the jaw closed: x -> turned (x - reference) + place."""
 
     turned: Array
+    """(T, 3, 3) rotation since the reference; NaN where the tracker lost the body."""
     place: Array
+    """(T, 3) mm of the body's origin; NaN likewise."""
     reference: Array
+    """(3,) mm of it in the reference."""
     residual_mm: float = 0.0
+    """Root mean square distance of markers from a rigid body; 0 for a body of the tracker's own."""
     worst_mm: float = 0.0
+    """The same of the worst row."""
 
     def carried(self, point: Array) -> Array:
         """(T, 3) places of a point (3,) of the body, given where it is in the reference."""
@@ -54,27 +51,16 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Registration:
-    """The rigid motion x -> turn (x - file) + head from the file's axes to head axes.
+    """The rigid motion x -> turn (x - file) + head from the file's axes to head axes."""
 
-    Attributes:
-        turn: (3, 3) rotation.
-        file: (3,) mm, the landmarks' centre in the file.
-        head: (3,) mm, that of the model's.
-        residual_mm: root mean square distance of the landmarks from the model's.
-    """
-
-    turn: Array
-    file: Array
-    head: Array
-    residual_mm: float
+    turn: Array  # (3, 3) rotation
+    file: Array  # (3,) mm, the landmarks' centre in the file
+    head: Array  # (3,) mm, that of the model's
+    residual_mm: float  # root mean square distance of the landmarks from the model's
 
 
 def body_motion(tracks: Tracks, names: Sequence[str]) -> Motion:
-    """The motion of one body of the file, or of three or more markers.
-
-    Raises:
-        InputError: an unknown name, too few markers, markers that are not on one body, or none seen at the beginning.
-    """
+    """The motion of one body of the file, or of three or more markers."""
     for name in names:
         if name not in tracks.places:
             near = not_among(f"{tracks.path}: --jaw or --head", name, [])
@@ -144,9 +130,6 @@ def read_landmarks(path: Path, tracks: Tracks, axes: Array) -> Array:
         path: of the file.
         tracks: with the markers that a landmark may be, already turned.
         axes: (3, 3) by which numbers, which are in the tracker's axes, are turned as well.
-
-    Raises:
-        InputError: a missing or unknown landmark, or one that is neither three numbers nor a marker of the file.
     """
     fields = read_mapping(path)
     for name in fields:
@@ -181,11 +164,7 @@ def _is_near(number: Any) -> bool:
 
 
 def register(landmarks: Array, teeth: Array, path: str) -> Registration:
-    """The rigid motion that brings landmarks (3, 3) nearest to the model's teeth (3, 3), mm both, least squares.
-
-    Raises:
-        InputError: triangles of other sizes, or a residual above ``WORST_LANDMARKS_MM``.
-    """
+    """The rigid motion that brings landmarks (3, 3) nearest to the model's teeth (3, 3), mm both, least squares."""
     file, head = landmarks.mean(axis=0), teeth.mean(axis=0)
     size = np.linalg.norm(landmarks - file) / np.linalg.norm(teeth - head)
     if not 0.5 <= size <= 2.0:
@@ -199,11 +178,7 @@ def register(landmarks: Array, teeth: Array, path: str) -> Registration:
 
 
 def in_head_axes(motion: Motion, registration: Registration, mouthpiece: Array) -> tuple[Array, Array]:
-    """Place (T, 3) in mm and rotation (T, 3, 3) of the mouthpiece, head axes; ``mouthpiece`` (3,) is its first place.
-
-    Raises:
-        InputError: it hardly moves, or moves farther than a jaw.
-    """
+    """Place (T, 3) in mm and rotation (T, 3, 3) of the mouthpiece in head axes; it begins at ``mouthpiece`` (3,)."""
     turn = registration.turn
     point = turn.T @ (mouthpiece - registration.head) + registration.file
     place = (motion.carried(point) - registration.file) @ turn.T + registration.head
@@ -212,11 +187,7 @@ def in_head_axes(motion: Motion, registration: Registration, mouthpiece: Array) 
 
 
 def check_travel(place: Array) -> None:
-    """Check how far a mouthpiece moves from where it was first, (T, 3) mm.
-
-    Raises:
-        InputError: less than ``LEAST_TRAVEL_MM`` or more than ``LARGEST_TRAVEL_MM``.
-    """
+    """Check how far a mouthpiece moves from where it was first, (T, 3) mm."""
     seen = place[np.isfinite(place).all(axis=1)]
     travel = float(np.linalg.norm(seen - seen[:1], axis=1).max(initial=0.0))
     if not LEAST_TRAVEL_MM <= travel <= LARGEST_TRAVEL_MM:
@@ -225,11 +196,7 @@ def check_travel(place: Array) -> None:
 
 
 def names_of(text: str | None, tracks: Tracks, option: str) -> list[str]:
-    """The names in an option, or the file's only body beside smoothed ones.
-
-    Raises:
-        InputError: nothing was named, and there is more than one to choose from, or none that was not smoothed.
-    """
+    """The names in an option, or the file's only body beside smoothed ones."""
     if text is not None:
         return [name.strip() for name in text.split(",")]
     bodies = [name for name in tracks.rotations if not name.endswith(SMOOTHED)]

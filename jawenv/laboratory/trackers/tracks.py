@@ -26,39 +26,29 @@ LONGEST_LIST = 400
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """Points, bodies and wrenches over T times, in the axes of the file.
+    """Points, bodies and wrenches over T times, in the axes of the file."""
 
-    Attributes:
-        path: of the file, for messages.
-        time: (T,) s.
-        places: (T, 3) mm of each marker and each body's origin, by name; NaN where the tracker lost it. A marker at
-            0, 0, 0 is a lost one, and so is a body there that is not turned.
-        rotations: (T, 3, 3) of each body, body axes to the file's; NaN likewise.
-        wrenches: (T, 6) N and N m, by name.
-        points: (T, 3) mm where a wrench acts, by its name; without one it is about the mouthpiece.
-        axes: (3, 3) from the file's axes to forward, left and up, by the name of what is in them; none where the file
-            is silent.
-        frames: name of the frame that each point or body is in; without one the same for all.
-        analog: channels beside the points, on their clock.
-    """
-
-    path: str
-    time: Array
+    path: str  # of the file, for messages
+    time: Array  # (T,) s
     places: dict[str, Array]
+    """(T, 3) mm of each marker and each body's origin, by name; NaN where the tracker lost it. A marker at 0, 0, 0
+    is a lost one, and so is a body there that is not turned.
+    """
     rotations: dict[str, Array] = field(default_factory=dict)
-    wrenches: dict[str, Array] = field(default_factory=dict)
+    """(T, 3, 3) of each body, body axes to the file's; NaN likewise."""
+    wrenches: dict[str, Array] = field(default_factory=dict)  # (T, 6) N and N m, by name
     points: dict[str, Array] = field(default_factory=dict)
+    """(T, 3) mm where a wrench acts, by its name; without one it is about the mouthpiece."""
     axes: dict[str, Array] = field(default_factory=dict)
+    """(3, 3) from the file's axes to forward, left and up, by the name of what is in them; none where the file is
+    silent.
+    """
     frames: dict[str, str] = field(default_factory=dict)
-    analog: RecordTable | None = None
+    """Name of the frame that each point or body is in; without one the same for all."""
+    analog: RecordTable | None = None  # channels beside the points, on their clock
 
     def __post_init__(self) -> None:
-        """Check times and rotations, and take lost markers out.
-
-        Raises:
-            InputError: fewer than two rows, times that do not grow, a matrix that mirrors or scales, or a place that is
-                too far away.
-        """
+        """Check times and rotations, and take lost markers out."""
         if len(self.time) < 2:
             raise InputError(f"{self.path}: holds {len(self.time)} rows; allowed: two or more")
         if not (np.diff(self.time) > 0.0).all():
@@ -112,11 +102,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def millimetres(unit: str | None, path: str) -> float:
-    """The factor from a unit of length to mm.
-
-    Raises:
-        InputError: no unit, or an unknown one.
-    """
+    """The factor from a unit of length to mm."""
     if not unit:
         raise InputError(f"{path}: states no unit of length; allowed: --unit {', '.join(UNITS['mm'])}")
     return factor("position_mm", unit, path)
@@ -130,9 +116,6 @@ def numbers(path: str, lines: Sequence[tuple[int, str]], names: Sequence[str], s
         lines: number and text of each row.
         names: of the columns.
         separator: between cells; None for any blanks.
-
-    Raises:
-        InputError: a row with more or fewer cells than names, or a cell without a number.
     """
     rows = []
     for line, text in lines:
@@ -150,10 +133,6 @@ def numbers(path: str, lines: Sequence[tuple[int, str]], names: Sequence[str], s
 
 
 def whole(path: str, rows: int, stated: str | None, field_name: str) -> None:
-    """Check that a file holds as many rows as its header states, if it does.
-
-    Raises:
-        InputError: it holds others.
-    """
+    """Check that a file holds as many rows as its header states, if it does."""
     if stated is not None and stated.strip() != str(rows):
         raise InputError(f"{path}: holds {rows} rows; allowed: {shown(stated)}, its {field_name} (a truncated file?)")

@@ -14,11 +14,7 @@ HEAD = 5
 
 
 def read_trc(path: Path, unit: str | None) -> Tracks:
-    """Read a TRC file.
-
-    Raises:
-        InputError: no TRC file, a truncated one, or no unit.
-    """
+    """Read a TRC file."""
     lines = list(enumerate(decoded(path, LARGEST_RECORDING).splitlines(), 1))
     if len(lines) < HEAD or not lines[0][1].startswith("PathFileType"):
         raise InputError(f"{path}: begins with {shown(lines[0][1] if lines else '')}; allowed: PathFileType, as TRC")

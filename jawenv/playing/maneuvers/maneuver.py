@@ -38,21 +38,18 @@ class Targets(NamedTuple):
 
 
 class Channels(InputModel):
-    """The target of each channel; a channel left out stays at zero.
+    """The target of each channel; a channel left out stays at zero."""
 
-    Attributes:
-        opening: fraction of the patient's painless range of opening, 0 (rest pose) to 1.
-        side: fraction of the soft limit of side motion, -1 to 1, positive to the patient's left.
-        fore_aft: fraction of the soft limit of the fore-aft force, -1 to 1, positive forward. The force is
-            controlled, not the position, in both control modes.
-        roll: fraction of `ROLL_FULL_SCALE_RAD` (four degrees) from the rest pose, -1 to 1, positive lowers the
-            right side. Left out, servos hold the roll and force control leaves it free.
-    """
-
-    opening: AnySignal
-    side: AnySignal = _AT_REST
+    opening: AnySignal  # fraction of the patient's painless range of opening, 0 (rest pose) to 1
+    side: AnySignal = _AT_REST  # fraction of the soft limit of side motion, -1 to 1, positive to the patient's left
     fore_aft: AnySignal = _AT_REST
+    """Fraction of the soft limit of the fore-aft force, -1 to 1, positive forward. The force is controlled, not the
+    position, in both control modes.
+    """
     roll: AnySignal | None = None
+    """Fraction of `ROLL_FULL_SCALE_RAD` (four degrees) from the rest pose, -1 to 1, positive lowers the right side.
+    Left out, servos hold the roll and force control leaves it free.
+    """
 
     @model_validator(mode="after")
     def _within_limits(self) -> Channels:
@@ -72,23 +69,20 @@ class Channels(InputModel):
 
 
 class Maneuver(InputModel):
-    """A named set of targets over time.
-
-    Attributes:
-        name: short name, lower case with underscores.
-        title: what a table or a figure calls it.
-        description: what it does and why.
-        source: where the idea comes from.
-        fade_in_s: over this time every target grows from rest to its full size.
-        channels: the targets.
-    """
+    """A named set of targets over time."""
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+    """Short name, lower case with underscores."""
     title: Annotated[Text, Field(min_length=1)]
+    """What a table or a figure calls it."""
     description: Annotated[Text, Field(min_length=1)]
+    """What it does and why."""
     source: Annotated[Text, Field(min_length=1)]
+    """Where the idea comes from."""
     fade_in_s: Annotated[Number, Field(ge=SHORTEST_S, le=30)] = 1.0
+    """Over this time every target grows from rest to its full size."""
     channels: Channels
+    """The targets."""
 
     @model_validator(mode="after")
     def _begins_slowly(self) -> Maneuver:
@@ -223,11 +217,7 @@ def goals_of(actions: NDArray[Any]) -> Array:
 
 
 def checked_parameters(rows: Observation) -> int:
-    """The number of parameters that observations (N, size) are of.
-
-    Raises:
-        InputError: an observation of another size, or one that is not finite.
-    """
+    """The number of parameters that observations (N, size) are of."""
     parameters = parameters_of(rows.shape[1])
     if not np.isfinite(rows).all():
         raise InputError("observation holds a value that is not finite")

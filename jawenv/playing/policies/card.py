@@ -33,27 +33,16 @@ PositiveNumber = Annotated[Number, Field(gt=0.0)]
 
 
 class Environment(InputModel):
-    """Where the policy was trained.
+    """Where the policy was trained."""
 
-    Attributes:
-        id: Gymnasium's id.
-        control: control mode, the meaning of an action.
-        control_hz: actions per second.
-        sensors: the measured quantities.
-        reward: name of the reward.
-        cohort: the patients, by their name or as a mapping.
-        episode_s: length of an episode, s.
-        others: further arguments of the environment.
-    """
-
-    id: Text
-    control: Control
-    control_hz: PositiveNumber
-    sensors: Sensors
-    reward: Text
-    cohort: Text | dict[str, JsonValue]
-    episode_s: PositiveNumber
-    others: dict[str, JsonValue] = {}
+    id: Text  # Gymnasium's id
+    control: Control  # control mode, the meaning of an action
+    control_hz: PositiveNumber  # actions per second
+    sensors: Sensors  # the measured quantities
+    reward: Text  # name of the reward
+    cohort: Text | dict[str, JsonValue]  # the patients, by their name or as a mapping
+    episode_s: PositiveNumber  # length of an episode, s
+    others: dict[str, JsonValue] = {}  # further arguments of the environment
 
     @classmethod
     def of(cls, world: Configuration) -> Self:
@@ -67,11 +56,7 @@ class Environment(InputModel):
         return cls(id=world.env_id, cohort=cohort, others=others, **fields)
 
     def world(self) -> Configuration:
-        """The same as a description of a world to be played.
-
-        Raises:
-            InputError: an environment or an argument that this jawenv does not know, or a plant.
-        """
+        """The same as a description of a world to be played."""
         if "plant" in self.others:
             raise InputError(
                 f"plant is {shown(self.others['plant'])}; allowed in a card: none, as its module would run"
@@ -84,19 +69,13 @@ class Environment(InputModel):
 
 
 class Architecture(InputModel):
-    """The network that acts, a multilayer perceptron, with or without a memory before it.
-
-    Attributes:
-        layers: sizes from the observation to the action; the hidden ones lie between.
-        activation: after every layer but the last.
-        squash: how the last layer's output gets into [-1, 1].
-        lstm_units: of an LSTM between the observation and the first layer; None without.
-    """
+    """The network that acts, a multilayer perceptron, with or without a memory before it."""
 
     layers: Annotated[tuple[PositiveInt, ...], Field(min_length=2)]
-    activation: Literal["tanh", "relu", "elu"]
-    squash: Literal["tanh", "clip"]
-    lstm_units: PositiveInt | None = None
+    """Sizes from the observation to the action; the hidden ones lie between."""
+    activation: Literal["tanh", "relu", "elu"]  # after every layer but the last
+    squash: Literal["tanh", "clip"]  # how the last layer's output gets into [-1, 1]
+    lstm_units: PositiveInt | None = None  # of an LSTM between the observation and the first layer; None without
 
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """Shapes of the weights by their names; an LSTM's gates are in PyTorch's order."""
@@ -111,41 +90,24 @@ class Architecture(InputModel):
 
 
 class CorrectedManeuver(InputModel):
-    """The policy corrects a maneuver.
+    """The policy corrects a maneuver."""
 
-    Attributes:
-        maneuver: the corrected maneuver, in full.
-        scale: of the policy's action, which is added to the maneuver's.
-    """
-
-    maneuver: Maneuver
-    scale: PositiveNumber
+    maneuver: Maneuver  # the corrected maneuver, in full
+    scale: PositiveNumber  # of the policy's action, which is added to the maneuver's
 
 
 class Result(InputModel):
-    """One figure that the policy reached, with its interval.
+    """One figure that the policy reached, with its interval."""
 
-    Attributes:
-        cohort: whom it was tried on.
-        patients: how many.
-        seeds: of the first and the last patient.
-        metric: the measured quantity with its unit.
-        mean: over the patients; or
-        median: over the patients.
-        low: lower end of the interval.
-        high: upper end of the interval.
-        level: of confidence of the interval.
-    """
-
-    cohort: Text
-    patients: PositiveInt
-    seeds: tuple[int, int]
-    metric: Text
-    mean: Number | None = None
-    median: Number | None = None
-    low: Number
-    high: Number
-    level: Annotated[Number, Field(gt=0.0, lt=1.0)] = 0.95
+    cohort: Text  # whom it was tried on
+    patients: PositiveInt  # how many
+    seeds: tuple[int, int]  # of the first and the last patient
+    metric: Text  # the measured quantity with its unit
+    mean: Number | None = None  # over the patients; or
+    median: Number | None = None  # over the patients
+    low: Number  # lower end of the interval
+    high: Number  # upper end of the interval
+    level: Annotated[Number, Field(gt=0.0, lt=1.0)] = 0.95  # of confidence of the interval
 
     @model_validator(mode="after")
     def _one_figure(self) -> Self:
@@ -157,43 +119,24 @@ class Result(InputModel):
 
 
 class ModelCard(InputModel):
-    """All that is known of a policy.
+    """All that is known of a policy."""
 
-    Attributes:
-        format_version: of card and weights.
-        environment: where it was trained, its cohort with it.
-        observation_size: values that the network sees.
-        action_size: values that it gives.
-        architecture: of the network.
-        algorithm: that trained it.
-        seed: of the training.
-        steps: of the environment that the policy had learned from.
-        residual: the maneuver that it corrects, if it does.
-        results: figures of the policy.
-        jawenv_version: that wrote it.
-        config_sha256: of the run's config.yaml, as JSON without spaces and with sorted keys.
-        weights_sha256: of the file of weights.
-        licence: under which the weights are given.
-        date: when it was written.
-        commands: that made it, from the training on.
-    """
-
-    format_version: Literal[1] = FORMAT_VERSION
-    environment: Environment
-    observation_size: PositiveInt
-    action_size: Literal[4] = 4
-    architecture: Architecture
-    algorithm: Text
-    seed: Annotated[int, Field(ge=0, strict=True)]
-    steps: Annotated[int, Field(ge=0, strict=True)]
-    residual: CorrectedManeuver | None = None
-    results: tuple[Result, ...] = ()
-    jawenv_version: Text
-    config_sha256: Sha256
-    weights_sha256: Sha256
-    licence: Text
-    date: date
-    commands: tuple[str, ...]
+    format_version: Literal[1] = FORMAT_VERSION  # of card and weights
+    environment: Environment  # where it was trained, its cohort with it
+    observation_size: PositiveInt  # values that the network sees
+    action_size: Literal[4] = 4  # values that it gives
+    architecture: Architecture  # of the network
+    algorithm: Text  # that trained it
+    seed: Annotated[int, Field(ge=0, strict=True)]  # of the training
+    steps: Annotated[int, Field(ge=0, strict=True)]  # of the environment that the policy had learned from
+    residual: CorrectedManeuver | None = None  # the maneuver that it corrects, if it does
+    results: tuple[Result, ...] = ()  # figures of the policy
+    jawenv_version: Text  # that wrote it
+    config_sha256: Sha256  # of the run's config.yaml, as JSON without spaces and with sorted keys
+    weights_sha256: Sha256  # of the file of weights
+    licence: Text  # under which the weights are given
+    date: date  # when it was written
+    commands: tuple[str, ...]  # that made it, from the training on
 
     @model_validator(mode="after")
     def _layers_fit(self) -> Self:
@@ -239,9 +182,6 @@ def card_of(spec: str | Path) -> tuple[Path, ModelCard] | None:
 
     Args:
         spec: as of `policy_folder`, or a checkpoint in a run's folder or its ``checkpoints``.
-
-    Raises:
-        InputError: the card is damaged.
     """
     folder = policy_folder(spec)
     if folder is None and Path(spec).is_file():
@@ -256,9 +196,6 @@ def read_card(path: Path) -> ModelCard:
 
     Args:
         path: its folder, or the card itself.
-
-    Raises:
-        InputError: no card, a damaged one, one of a format that is not known, or a value that is not allowed.
     """
     file = path if path.name == CARD else path / CARD
     data = read_mapping(file)

@@ -24,21 +24,13 @@ StepBatch = tuple[Observation, npt.NDArray[np.float64], Mask, Mask, dict[str, An
 
 
 class Controller(Protocol):
-    """The step from decisions to actions, with a memory of each world: zeros where an episode begins.
+    """The step from decisions to actions, with a memory of each world: zeros where an episode begins."""
 
-    Attributes:
-        control: control mode of the environment.
-        decision_hz: decisions per second.
-        steps_per_decision: control steps from one decision to the next.
-        n_features: how many values the policy sees beside the environment's observation.
-        memory: dtype of the memory of a world.
-    """
-
-    control: Control
-    decision_hz: float
-    steps_per_decision: int
-    n_features: int
-    memory: np.dtype[Any]
+    control: Control  # control mode of the environment
+    decision_hz: float  # decisions per second
+    steps_per_decision: int  # control steps from one decision to the next
+    n_features: int  # how many values the policy sees beside the environment's observation
+    memory: np.dtype[Any]  # dtype of the memory of a world
 
     def seen(self, rows: Observation, memory: npt.NDArray[Any]) -> Observation:
         """Inputs of the policy (N, size + n_features) from observations (N, size)."""
@@ -116,9 +108,6 @@ class ControlledWorlds(VectorWrapper[Observation, Action, Observation, Action, A
 
     Attributes:
         controller: as given.
-
-    Raises:
-        InputError: another autoreset mode, or an observation that is not a flat Box.
     """
 
     def __init__(self, env: VectorEnv[Observation, Action, Any], controller: Controller) -> None:

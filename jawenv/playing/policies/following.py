@@ -27,11 +27,7 @@ Trackers = NDArray[np.void]
 
 
 def decision_hz(env_kwargs: Mapping[str, Any]) -> float:
-    """Decisions per second of a policy of targets that was trained with such arguments of the environment.
-
-    Raises:
-        InputError: control steps per second that are not a positive number.
-    """
+    """Decisions per second of a policy of targets that was trained with such arguments of the environment."""
     asked = env_kwargs.get("control_hz") if takes_targets(env_kwargs.get("control", DEFAULT_CONTROL)) else None
     hz = real_number(DECISION_HZ if asked is None else asked)
     if hz is None or not (np.isfinite(hz) and hz > 0):
@@ -53,9 +49,6 @@ class TargetsLaw:
         control: as given.
         decision_hz: as given.
         steps_per_decision: control steps from one decision to the next.
-
-    Raises:
-        InputError: control steps are not a multiple of decisions.
     """
 
     n_features = 0
@@ -74,11 +67,7 @@ class TargetsLaw:
         self._dt, self._decision_s = 1.0 / hz, 1.0 / decision_hz
 
     def seen(self, rows: Observation, memory: Trackers) -> Observation:
-        """Observations (N, size) with ``motor_target`` as in targets control.
-
-        Raises:
-            InputError: an observation of another size, or one that is not finite.
-        """
+        """Observations (N, size) with ``motor_target`` as in targets control."""
         rest = 2 * checked_parameters(rows)
         rows = rows.copy()
         target = memory["target"] * np.where(memory["begun"][:, None], memory["size"], 1.0)
@@ -92,9 +81,6 @@ class TargetsLaw:
             rows: (N, size) observations.
             memory: (N,) records of the law.
             decision: (N, 4) actions of targets control, with the targets at the next decision.
-
-        Raises:
-            InputError: an observation that is not finite.
         """
         parameters = checked_parameters(rows)
         if decision is not None:

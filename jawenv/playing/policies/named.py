@@ -32,9 +32,6 @@ def named_agent(
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
-
-    Raises:
-        InputError: a file that cannot be used, or an agent that cannot play that environment.
     """
     if str(spec) in BASELINES:
         return BASELINES[str(spec)](steps_per_s(control, control_hz))
@@ -49,12 +46,7 @@ def named_agent(
 
 
 def in_control(policy: Agent, control: Control, control_hz: float | None) -> Agent:
-    """A policy as an agent of the control mode; where it says targets at a rate of its own, they are followed.
-
-    Raises:
-        InputError: a policy of another control mode, or control steps that do not fit the decisions that the policy was
-            trained to make.
-    """
+    """A policy as an agent of the control mode; where it says targets at a rate of its own, they are followed."""
     decision_hz: float | None = getattr(policy, "decision_hz", None)
     if decision_hz is None:
         control_of(policy, {"control": control})

@@ -107,22 +107,14 @@ class RecurrentPlainPolicy(Remembering, PlainPolicy):
 
 
 def write_policy(folder: Path, weights: bytes, card: ModelCard) -> None:
-    """Write weights and card, in place of older ones, which stay until both new files lie beside them.
-
-    Raises:
-        InputError: the folder cannot be written.
-    """
+    """Write weights and card, in place of older ones, which stay until both new files lie beside them."""
     with atomic_write(folder / CARD) as new_card, atomic_write(folder / WEIGHTS) as new_weights:
         new_weights.write_bytes(weights)
         new_card.write_text(card.model_dump_json(indent=2) + "\n", encoding="utf-8")
 
 
 def read_weights(folder: Path, card: ModelCard) -> bytes:
-    """The file of weights that a card belongs to.
-
-    Raises:
-        InputError: no such file, or weights of another card.
-    """
+    """The file of weights that a card belongs to."""
     path = folder / WEIGHTS
     if not path.exists():
         raise InputError(f"{path}: no such file, but a card without its weights is no policy")
@@ -139,10 +131,6 @@ def load_plain(folder: Path, env_id: str | None = None) -> Agent:
     Args:
         folder: of card and weights.
         env_id: of the environment that it shall play, as `jawenv.ladder.model_of_env` takes it, to be checked.
-
-    Raises:
-        InputError: a card or weights that are missing, damaged or do not fit each other, or a policy of another
-            environment.
     """
     card = read_card(folder)
     trained_in = model_of_env(card.environment.id)
@@ -156,11 +144,7 @@ def load_plain(folder: Path, env_id: str | None = None) -> Agent:
 
 
 def check_environment(path: Path, size: int, card: ModelCard | None, env_id: str) -> None:
-    """Make sure that an environment gives the inputs of a policy, with the targets of the maneuver that it corrects.
-
-    Raises:
-        InputError: it does not.
-    """
+    """Make sure that an environment gives the inputs of a policy, with the targets of the maneuver that it corrects."""
     asked = card is not None and card.environment.others.get("asked") is not None
     seen = observation_size(len(model_of_env(env_id).muscles.parameter_names), asked)
     seen += 0 if card is None or card.residual is None else N_FEATURES
