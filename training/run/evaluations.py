@@ -128,6 +128,7 @@ class Evaluations(BaseCallback):
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
         report: called with steps and row of each evaluation.
         began_with: what the untrained policy plays, in words.
+        sampled: whether it also plays with drawn actions, as an algorithm learns from.
 
     Attributes:
         best: score of the best policy, and its steps; None before the first row.
@@ -146,8 +147,10 @@ class Evaluations(BaseCallback):
         largest_discomfort_s: float | None = None,
         report: Report | None = None,
         began_with: str = "the untrained policy",
+        sampled: bool = True,
     ) -> None:
         super().__init__()
+        self._sampled = sampled
         self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
         self._progress, self._interrupted, self._report = progress, interrupted, report
         self._limit = largest_discomfort_s
@@ -176,10 +179,10 @@ class Evaluations(BaseCallback):
     def evaluate(self) -> None:
         """Evaluate now: add a row to the table, and keep the policy if it is the best."""
         self._progress.note("activity", "evaluating")
-        outcome, sampled = (
-            evaluate(self.model, self._worlds, self._config.seed, likely, self._interrupted) for likely in (True, False)
-        )
+        kinds = (True, False) if self._sampled else (True,)
+        played = [evaluate(self.model, self._worlds, self._config.seed, likely, self._interrupted) for likely in kinds]
         self._progress.note("activity", "")
+        outcome, sampled = played[0], played[-1]
         if outcome is None or sampled is None:
             return
         self.last = self.model.num_timesteps

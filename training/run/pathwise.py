@@ -45,6 +45,9 @@ class APG(OnPolicyAlgorithm):
         comfort_multiplier: price of discomfort, nats/s: the reward's, where none is learned.
     """
 
+    priced: VecEnv | None = None
+    """Worlds of fewer patients, whose discomfort makes the price; by default those that are trained on."""
+
     policy_aliases = {"MlpPolicy": ActorCriticPolicy}  # noqa: RUF012  as the base class has it
 
     def __init__(self, policy: str, env: VecEnv, **arguments: Any) -> None:
@@ -72,7 +75,7 @@ class APG(OnPolicyAlgorithm):
 
     def _excluded_save_params(self) -> list[str]:
         """What a checkpoint is without: worlds, and the graph of the last episode."""
-        return [*super()._excluded_save_params(), "_simulation", "_base", "_seen", "_worst", "_discomfort"]
+        return [*super()._excluded_save_params(), "_simulation", "_base", "_seen", "_worst", "_discomfort", "priced"]
 
     def collect_rollouts(
         self, env: VecEnv, callback: BaseCallback, rollout_buffer: RolloutBuffer, n_rollout_steps: int
@@ -83,8 +86,11 @@ class APG(OnPolicyAlgorithm):
         noise = self._n_updates + 2**16 * (self.seed or 0)
         self._worst, self._discomfort = self.play(n_rollout_steps, noise)
         infos: list[dict[str, Any]] = []
+        few = self.priced or env
+        if few is not env:
+            seen = few.reset()
         for _ in range(n_rollout_steps):
-            seen, _, _, infos = env.step(self.predict(seen, deterministic=True)[0])
+            seen, _, _, infos = few.step(self.predict(seen, deterministic=True)[0])
         self.num_timesteps += env.num_envs * n_rollout_steps
         callback.update_locals({**locals(), "infos": infos})
         if not callback.on_step():

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import torch
 from rich.console import Console
@@ -23,15 +23,18 @@ from jawenv.playing.policies.card import CorrectedManeuver, Environment
 from jawenv.playing.policies.following import decision_hz
 from jawenv.playing.policies.residual import BaseTargets
 from jawenv.progress import Progress
-from training.run.algorithm_configs import SACConfig
+from training.run.algorithm_configs import APGConfig, SACConfig
 from training.run.algorithms import make_model, plain_policy
 from training.run.callbacks import Interrupt, Multiplier, Upkeep
 from training.run.config import EnvConfig, TrainingConfig
 from training.run.evaluations import Evaluations, Report
 from training.run.export import write_run_policy
 from training.run.folder import RunFolder, damaged, read_counts
+from training.run.pathwise import APG
 from training.run.worlds import world_seed, worlds_for
 
+PRICED = 16
+"""Patients of an update of ``apg`` that the worlds play too, for the price of discomfort."""
 INTERRUPTED = 130
 """Exit code of a run that was stopped by a signal, as shells report an interrupt."""
 MOST_SEEDS = 1000
@@ -169,13 +172,19 @@ class TrainingSession:
         self._validation = worlds_for(config.env, config.evaluation.patients, base)
         self.model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
+        self._priced = None
+        if isinstance(config.section, APGConfig):
+            self._priced = worlds_for(config.env, min(PRICED, config.n_envs), base)
+            self._priced.seed(self.world_seed)
+            cast(APG, self.model).priced = self._priced
 
     def __enter__(self) -> TrainingSession:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        self._worlds.close()
-        self._validation.close()
+        for worlds in (self._worlds, self._validation, self._priced):
+            if worlds is not None:
+                worlds.close()
 
     def restore(self, checkpoint: Path) -> None:
         """Take over weights, optimiser state, counters and multiplier of a checkpoint; nothing is unpickled."""
@@ -253,6 +262,7 @@ class TrainingSession:
             largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
             report=report,
             began_with="the untrained policy" if self.base is None else "the movement that it began with",
+            sampled=not isinstance(self.config.section, APGConfig),  # it learns through the most likely actions
         )
 
     def keep(self) -> None:
