@@ -9,34 +9,37 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from jawenv.filter.nuisances.unknowns import AGAIN, ENDS, MOTORS, UNKNOWNS, Values
 from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances
-from jawenv.mechanics.unknowns import Unknowns
 
-_NUMBERS = ("fossa", "fossa", "mass", "damping", "damping", "head tilt")
-_FIELDS = {
-    "origin": "attachments",
-    "insertion": "attachments",
-    "centre_of_mass": "centre of mass",
-    "mouthpiece": "mouthpiece, place",
-    "turn": "mouthpiece, angles",
-    "offset": "cell offset",
-    "cell_turn": "cell, angles",
-    "motors": "force of each motor",
-    "tone": "tone",
-    "inertial": "inertia",
-}
-GROUPS = ("attachments", "fossa", "mass", "centre of mass", "head tilt", *list(_FIELDS.values())[3:], "damping")
+_OF_NAME = (
+    dict.fromkeys(ENDS, "attachments")
+    | {unknown.name: unknown.group for unknown in UNKNOWNS if unknown.told}
+    | {MOTORS: "force of each motor", AGAIN: "inertia"}
+)
+GROUPS = (
+    "attachments",
+    "fossa",
+    "mass",
+    "centre of mass",
+    "head tilt",
+    "mouthpiece, place",
+    "mouthpiece, angles",
+    "cell offset",
+    "cell, angles",
+    "force of each motor",
+    "tone",
+    "inertia",
+    "damping",
+)
 """Of nuisances, in the order of tables."""
 ERROR, LEFT = "nuisance_z2", "nuisance_left"
 """Columns of a group, ``<one of these>/<group>``: mean of (error / sd) squared, and of the sd in prior sds."""
 
 
-def group_of(direction: Unknowns) -> str:
+def group_of(direction: Values) -> str:
     """The group of one of the filter's nuisances."""
-    index = np.flatnonzero(direction.numbers)
-    if len(index):
-        return _NUMBERS[index[0]]
-    return next(group for name, group in _FIELDS.items() if np.any(getattr(direction, name)))
+    return next(group for name, group in _OF_NAME.items() if np.any(direction[name]))
 
 
 class NuisanceBeliefs:

@@ -30,13 +30,13 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply_transposed, cross, dot, row3, scale
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
-from jawenv.mechanics.unknowns import N_MOTOR_ERRORS
 
 ForceSensor = Literal["cell", "motors", "straps"]
 FORCE_SENSORS = get_args(ForceSensor)
 
 # Gain, Coulomb friction (N), viscous friction (N s/m), and a turn of the direction (3, rad, head axes), of each motor.
 N_ERRORS = 6
+N_SDS = 5  # of the errors of a motor: the turn of the direction is about two axes
 UNKNOWN_SHARE = 0.3  # sd; as noise that is new in each tick it weighs about what errors of 0.07 do that last 0.1 s (D)
 PRESLIDING = 0.5e-3  # m at the mouthpiece, 0.1 mm at the motor, over which friction comes to its level (G)
 
@@ -95,9 +95,6 @@ def motor_errors(sds: Array, values: Array, device: Any) -> Array:
         across = [np.eye(3)[(along + 1) % 3], np.eye(3)[(along + 2) % 3]]
         errors[i, 3:] = sds[3] * values[i, 3] * across[0] + sds[4] * values[i, 4] * across[1]
     return errors
-
-
-assert N_MOTOR_ERRORS == 5, "sds of gain, two frictions and two turns"
 
 
 @njit

@@ -34,6 +34,8 @@ from jawenv.envs.world.unknown_truth import Streams, draw_truth
 from jawenv.errors import InputError
 from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
 from jawenv.filter.model.initial_motion import start_sd
+from jawenv.filter.nuisances.directions import directions
+from jawenv.filter.nuisances.unknowns import MOTORS, Values, along
 from jawenv.filter.settings import Geometry, fill_settings, noise_of, used_readings, wrench_variances
 from jawenv.filter.tick import LAST_WINDOW, tick_dtype
 from jawenv.kernels.noise import philox
@@ -43,7 +45,6 @@ from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.mechanics.plant import Plant
-from jawenv.mechanics.unknowns import Unknowns, along, directions
 
 if TYPE_CHECKING:
     from jawenv.envs.moved_plants import MovedJaw, MovedPlants
@@ -286,7 +287,7 @@ class Simulation:
         truth["no_cell"], truth["slack_below"] = self._motor_sds is not None, self._slack_below
         truth["friction_share"] = truth["motor_rate"] = 0.0  # at rest
         if self._motor_sds is not None:
-            truth["motor_errors"] = motor_errors(self._motor_sds, values.motors, self.device[0])
+            truth["motor_errors"] = motor_errors(self._motor_sds, values[MOTORS], self.device[0])
 
     def _read_first(self, chosen: NDArray[np.bool_]) -> None:
         """Read the sensors of the chosen worlds, whose episodes have begun, for the first time."""
@@ -365,7 +366,7 @@ class Simulation:
         return None if self._motor_sds is None else (self._motor_sds, self.device[0])
 
     @property
-    def nuisance_sds(self) -> list[Unknowns]:
+    def nuisance_sds(self) -> list[Values]:
         """One sd of each nuisance that the filter integrates out, in its order."""
         return self._sds
 

@@ -14,9 +14,9 @@ from jawenv.filter.belief.state import Belief, FilterSettings, tension_columns
 from jawenv.filter.model.basis import N_NODES, set_coefficients
 from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.filter.nuisances.changes import is_apart
+from jawenv.filter.nuisances.unknowns import FARTHEST
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
-from jawenv.mechanics.unknowns import FARTHEST
 
 
 class LearnScratch:

@@ -12,11 +12,11 @@ from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
 from jawenv.filter.nuisances.known_within import write_nuisances
+from jawenv.filter.nuisances.unknowns import Values
 from jawenv.filter.readings import least_noise
 from jawenv.filter.readings.screening import rough_change
 from jawenv.filter.tick import set_prior
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.unknowns import Unknowns
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class Geometry(NamedTuple):
     muscles: MuscleSet | None  # the jaw's; they matter where there are nuisances
     prior: Any  # of the parameters
     knowledge: Knowledge  # what is known within sds
-    sds: list[Unknowns]  # one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them
+    sds: list[Values]  # one sd of each nuisance, as ``directions`` gives them
     upright: Any  # the jaw about which sds are taken
     force: tuple[Array, Any] | None = None
     """Sds of the errors of a force that no load cell reads, and the device's record; None where one does."""

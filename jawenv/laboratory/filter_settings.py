@@ -13,20 +13,21 @@ from jawenv.envs.configuration import Configuration
 from jawenv.envs.world.plants import TICK
 from jawenv.filter.belief.state import filter_settings_dtype
 from jawenv.filter.model.initial_motion import start_sd
+from jawenv.filter.nuisances.directions import directions
+from jawenv.filter.nuisances.unknowns import Values
 from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, used_readings
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record
 from jawenv.ladder import Model, model_named
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.unknowns import Unknowns, directions
 
 _OF_THE_BODY = ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity")
 
 
 def sds_of(
     jaw: Any, model: Model, knowledge: Knowledge, prior: Any, motor_sds: NDArray[np.float64] | None, lasting: bool
-) -> tuple[Any, list[Unknowns]]:
+) -> tuple[Any, list[Values]]:
     """The geometry about which sds are taken, and one sd of every nuisance that the filter integrates out.
 
     Sds of mass, inertia and gravity are those of the default mandible with the head upright, as an environment has
@@ -49,7 +50,7 @@ def sds_of(
 def settings_of_record(record: Record) -> Any:
     """A record's noise, prior, nuisances and disturbance, of dtype ``filter_settings_dtype``."""
     states, muscles = len(record.start_mean), len(record.parameter_names) // 2
-    sds: list[Unknowns] = []
+    sds: list[Values] = []
     force, muscle_set, upright = None, None, record.jaw
     if record.force_sensor != "cell" and record.device is not None:
         motor_sds = sds_of_sensor(record.force_sensor, record.device)

@@ -7,9 +7,9 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.anatomy.knowledge import IMAGED
+from jawenv.filter.nuisances.unknowns import changed_jaw, offset_of, turn_of
 from jawenv.laboratory.references.numpy_model import measurement_with_derivative, step, step_with_derivative
 from jawenv.mechanics import newton_euler
-from jawenv.mechanics.unknowns import Unknowns, changed_jaw, offset_of, turn_of
 
 N, P = 10, 12  # motion and parameters
 EPS = 1e-3  # sds
@@ -27,14 +27,14 @@ def swings(**kwargs):
 def drawn(simulation):
     """The drawn values, of the directions that the filter has."""
     truth, sds = simulation.worlds["truth"]["nuisances"][0], simulation.nuisance_sds
-    return [sum(value * each[k] for value, each in zip(truth, sds, strict=True)) for k in range(len(sds[0]))]
+    return {name: sum(value * each[name] for value, each in zip(truth, sds, strict=True)) for name in sds[0]}
 
 
 def changed(simulation):
     """For each nuisance the true jaw moved by ``EPS`` sds both ways, and how its device is off against the true one."""
 
     def moved(direction, share):
-        values = Unknowns(*(base + share * way for base, way in zip(drawn(simulation), direction, strict=True)))
+        values = {name: base + share * direction[name] for name, base in drawn(simulation).items()}
         jaw = changed_jaw(simulation.models[0], IMAGED, simulation.cohort.muscles, values)
         return jaw, share * turn_of(IMAGED, direction), share * offset_of(IMAGED, direction)
 

@@ -14,19 +14,10 @@ from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError
 from jawenv.filter.nuisances.changed_jaw import copy_jaw, move_jaw
 from jawenv.filter.nuisances.changes import add_readings, set_wrenches
+from jawenv.filter.nuisances.unknowns import FARTHEST, cell_turn_of, changed_jaw, offset_of, scaled, turn_of
 from jawenv.filter.updates.measurement_update import EXPECTED
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.online import take_tick
-from jawenv.mechanics.unknowns import (
-    FARTHEST,
-    MASS,
-    N_INERTIAL,
-    Unknowns,
-    cell_turn_of,
-    changed_jaw,
-    offset_of,
-    turn_of,
-)
 from jawenv.playing.maneuvers import Player
 
 EPS = 1e-3  # sds
@@ -86,7 +77,7 @@ def by_differences(simulation, values, motion, wrench, acceleration):
     theta = simulation.cohort.prior.mean
 
     def at(share):
-        changed = changed_jaw(jaw, KNOWN, muscles, Unknowns(*(share * value for value in values)))
+        changed = changed_jaw(jaw, KNOWN, muscles, scaled(values, share))
         about = share * cell_turn_of(KNOWN, values)
         true = wrench - share * offset_of(KNOWN, values)
         true = true + np.concatenate([np.cross(about, wrench[:3]), np.cross(about, wrench[3:])])
@@ -130,8 +121,8 @@ def test_what_a_jaw_at_rest_shows_and_what_accelerations_show_make_the_whole(rng
     whole, apart = columns(motion, rate, False), columns(motion, rate, True)
     still = columns(motion * np.repeat([1.0, 0.0], 5), np.zeros(5), False)
     again, at_rest = (settings["nuisances"][name].astype(bool) for name in ("again", "at_rest"))
-    body = np.array([bool(values.numbers[MASS] or values.centre_of_mass.any()) for values in made._sds])
-    assert again.sum() == body.sum() == N_INERTIAL
+    body = np.array([values["mass"].any() or values["centre_of_mass"].any() for values in made._sds])
+    assert again.sum() == body.sum() == 4
     np.testing.assert_allclose(apart[:, at_rest], still[:, at_rest], atol=1e-12)
     np.testing.assert_allclose(apart[:, again] + apart[:, body], whole[:, body], atol=1e-12)
     damping = ~again & ~at_rest
@@ -147,7 +138,7 @@ def test_a_nuisance_changes_the_readings_as_the_independent_jaw_says(simulation,
     readings_of(jaw, motion, settings, used, rows, scratch)
 
     def read(values, share):
-        changed = changed_jaw(jaw, KNOWN, simulation.cohort.muscles, Unknowns(*(share * value for value in values)))
+        changed = changed_jaw(jaw, KNOWN, simulation.cohort.muscles, scaled(values, share))
         measured = np.array(twin.measurement(changed, motion))
         measured[:3] -= changed["zero"]
         about = share * turn_of(KNOWN, values)
@@ -168,7 +159,7 @@ def test_the_model_moves_with_the_nuisances(simulation, rng):
         steps[:] = 0.0
         steps[j] = 0.5
         moved(jaw, simulation.settings[0]["filter"], steps, record)
-        values = Unknowns(*(0.5 * value for value in simulation._sds[j]))
+        values = scaled(simulation._sds[j], 0.5)
         expected = changed_jaw(jaw, KNOWN, simulation.cohort.muscles, values)
         for name in ("mass", "centre_of_mass", "gravity", "mouthpiece", "zero", "teeth", "fossa_drop", "crest", "l_o"):
             scale = np.abs(expected[name]).max()

@@ -9,26 +9,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.mechanics.unknowns import Unknowns, with_inertial
-
-OWN_NUMBERS = 5
-"""The first of ``Unknowns.numbers``: drop and frequency of the fossa, mass, both dampings; then the session's tilt."""
+from jawenv.filter.nuisances.unknowns import ENDS, OWN, UNKNOWNS, Values, with_inertial
 
 
-def with_anatomy_of(patient: Unknowns, session: Unknowns) -> Unknowns:
+def with_anatomy_of(patient: Values, session: Values) -> Values:
     """The patient's own values of one, and the session's of another."""
-    numbers = np.concatenate([patient.numbers[:OWN_NUMBERS], session.numbers[OWN_NUMBERS:]])
-    joined = session._replace(
-        origin=patient.origin,
-        insertion=patient.insertion,
-        numbers=numbers,
-        centre_of_mass=patient.centre_of_mass,
-        inertia=patient.inertia,
-    )
-    return with_inertial(joined)
+    return with_inertial(session | {name: patient[name] for name in OWN})
 
 
-def own_values(values: Unknowns) -> NDArray[np.float64]:
-    """(8 + 6 lines,) the patient's own values, in prior sds: numbers, centre of mass, ends of each line."""
-    ends = np.hstack([values.origin, values.insertion])
-    return np.concatenate([values.numbers[:OWN_NUMBERS], values.centre_of_mass, ends.ravel()])
+def own_values(values: Values) -> NDArray[np.float64]:
+    """(8 + 6 lines,) the patient's own values that the filter is told of, in prior sds; ends of each line last."""
+    told = [values[unknown.name] for unknown in UNKNOWNS if unknown.own and unknown.told]
+    return np.concatenate([*told, np.hstack([values[name] for name in ENDS]).ravel()])

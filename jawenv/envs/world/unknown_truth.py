@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
 from jawenv.envs.world.own_anatomy import with_anatomy_of
-from jawenv.mechanics.unknowns import (
-    Unknowns,
+from jawenv.filter.nuisances.unknowns import (
+    Values,
     cell_turn_of,
     changed_jaw,
     draw_unknowns,
@@ -19,7 +19,6 @@ from jawenv.mechanics.unknowns import (
     offset_of,
     turn_of,
     with_motors,
-    with_tone,
 )
 from jawenv.reality import Reality, perturb_geometry
 
@@ -41,7 +40,7 @@ class Streams(NamedTuple):
 
 def draw_truth(
     truth: Any, knowledge: Knowledge, reality: Reality, muscles: MuscleSet, streams: Streams, anatomy_seed: int | None
-) -> Unknowns:
+) -> Values:
     """Draw anatomy, body, mounting and load cell of a world; returns the deviations whose sds the filter knows.
 
     Args:
@@ -57,23 +56,17 @@ def draw_truth(
     lines, untold = len(muscles.muscle), reality.untold()
     values = no_unknowns(lines)
     if not knowledge.exact:
-        values = _drawn(knowledge, lines, streams.geometry)
+        values = draw_unknowns(lines, streams.geometry, knowledge)
         if anatomy_seed is not None:
             values = with_anatomy_of(draw_unknowns(lines, np.random.default_rng(anatomy_seed)), values)
         _add(truth, knowledge, muscles, values)
     perturb_geometry(reality, muscles, truth["jaw"], streams.geometry)
     if not untold.exact:
-        _add(truth, untold, muscles, _drawn(untold, lines, streams.untold))
+        _add(truth, untold, muscles, draw_unknowns(lines, streams.untold, untold))
     return with_motors(values, streams.motors)
 
 
-def _drawn(knowledge: Knowledge, lines: int, generator: np.random.Generator) -> Unknowns:
-    """Values of all that is known within ``knowledge``; what is known exactly takes no other's random numbers."""
-    values = draw_unknowns(lines, generator)
-    return with_tone(values, generator) if knowledge.closing_tone_N > 0.0 else values
-
-
-def _add(truth: Any, knowledge: Knowledge, muscles: MuscleSet, values: Unknowns) -> None:
+def _add(truth: Any, knowledge: Knowledge, muscles: MuscleSet, values: Values) -> None:
     """Change a world's jaw, mounting and load cell by ``values``."""
     truth["jaw"] = changed_jaw(truth["jaw"], knowledge, muscles, values)
     truth["cell_offset"] += offset_of(knowledge, values)

@@ -11,10 +11,23 @@ from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.force_sensor import motor_errors
 from jawenv.filter.nuisances.changes import STEP
-from jawenv.mechanics.unknowns import DAMPING, Unknowns, as_body, cell_turn_of, changed_jaw, offset_of, turn_of
+from jawenv.filter.nuisances.unknowns import (
+    AGAIN,
+    ENDS,
+    MOTORS,
+    UNKNOWNS,
+    Values,
+    as_body,
+    cell_turn_of,
+    changed_jaw,
+    offset_of,
+    scaled,
+    turn_of,
+)
 
 _PLAIN = ("mass", "gravity", "tone", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
 _IN_MOTION = (*_PLAIN, "mouthpiece", "first_moment", "inertia")
+_IN_MOTION_ALONE = tuple(unknown.name for unknown in UNKNOWNS if not unknown.at_rest)
 _SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
 
 
@@ -23,7 +36,7 @@ def write_nuisances(
     jaw: Any,
     knowledge: Knowledge,
     muscles: MuscleSet,
-    sds: list[Unknowns],
+    sds: list[Values],
     force: tuple[NDArray[np.float64], Any] | None = None,
 ) -> None:
     """Fill a record of dtype ``nuisance_dtype`` with the changes per sd, taken over ``STEP`` sds.
@@ -33,15 +46,14 @@ def write_nuisances(
         jaw: the filter's model.
         knowledge: the sds.
         muscles: the jaw's.
-        sds: one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them.
+        sds: one sd of each nuisance, as ``directions`` gives them.
         force: sds of the errors of a force that no load cell reads, and the device's record; None where one does.
     """
     if force is not None:
         record["linkage"]["point"], record["linkage"]["direction"] = force[1]["point"], force[1]["direction"]
     for j, direction in enumerate(sds):
-        record["again"][j], values = np.any(direction.inertial != 0.0), as_body(direction)
-        small = Unknowns(*(STEP * value for value in values))
-        changed = changed_jaw(jaw, knowledge, muscles, small)
+        record["again"][j], values = np.any(direction[AGAIN] != 0.0), as_body(direction)
+        changed = changed_jaw(jaw, knowledge, muscles, scaled(values, STEP))
         for name in (*_PLAIN, "mouthpiece", "l_o"):
             record[name][j] = (changed[name] - jaw[name]) / STEP
         for name in ("origin", "insertion"):
@@ -51,14 +63,16 @@ def write_nuisances(
         record["inertia"][j] = ((_about_contact(changed) - _about_contact(jaw)) / STEP).ravel()
         record["offset"][j], record["turn"][j] = offset_of(knowledge, values), turn_of(knowledge, values)
         record["cell_turn"][j] = cell_turn_of(knowledge, values)
-        ends = np.abs(values.origin) + np.abs(values.insertion)
+        ends = np.hstack([values[name] for name in ENDS])
         record["line"][j] = np.flatnonzero(ends.any(axis=1))[0] if ends.any() else -1
         record["moves"][j] = any(np.any(record[name][j] != 0.0) for name in _IN_MOTION)
-        record["at_rest"][j] = not record["again"][j] and not np.any(values.numbers[DAMPING] != 0.0)
+        record["at_rest"][j] = not record["again"][j] and not any(
+            np.any(values[name] != 0.0) for name in _IN_MOTION_ALONE
+        )
         record["in_cell"][j] = np.any(record["offset"][j] != 0.0) or np.any(record["cell_turn"][j] != 0.0)
         record["turns"][j] = np.any(record["turn"][j] != 0.0)
-        if force is not None and np.any(values.motors != 0.0):
-            record["motor_errors"][j] = motor_errors(force[0], values.motors, force[1])
+        if force is not None and np.any(values[MOTORS] != 0.0):
+            record["motor_errors"][j] = motor_errors(force[0], values[MOTORS], force[1])
             record["of_motors"][j] = True
         record["reads"][j] = any(np.any(record[name][j] != 0.0) for name in _SEEN_BY_ENCODERS)
 
