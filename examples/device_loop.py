@@ -18,8 +18,8 @@ import time
 import numpy as np
 
 import jawenv
-from jawenv.laboratory.online import OnlineBelief
 from jawenv.playing.maneuvers import Player
+from jawenv.recordings.online import OnlineBelief
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 READING = np.dtype([("tick", np.int64), ("measured", np.float64, 12), ("samples", np.float64, (3, 6))])

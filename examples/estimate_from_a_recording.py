@@ -12,8 +12,8 @@ import numpy as np
 
 import jawenv
 from agents import load_agent
-from jawenv.laboratory.recordings.files import load_record, save_record
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.recordings.files import load_record, save_record
+from jawenv.references.extended_kalman import ExtendedKalman
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 

@@ -16,9 +16,9 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal, multivariate_t
 
 import jawenv
-from jawenv.laboratory.record_filter import TensionFilter
-from jawenv.laboratory.recordings.record import Record
 from jawenv.ladder import model_named
+from jawenv.recordings.record import Record
+from jawenv.recordings.record_filter import TensionFilter
 
 ENV = "jawenv/JawHinge-v3"
 ROUNDS = 3  # each proposes from what the last has found

@@ -17,8 +17,8 @@ import numpy as np
 
 import jawenv
 from agents import load_agent
-from jawenv.laboratory.recordings.files import load_record
-from jawenv.laboratory.recordings.record import Record
+from jawenv.recordings.files import load_record
+from jawenv.recordings.record import Record
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 

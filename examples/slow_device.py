@@ -16,11 +16,11 @@ from rich.progress import track
 
 import jawenv
 from agents import load_agent
-from jawenv.laboratory.record_filter import TensionFilter
-from jawenv.laboratory.recordings.estimate import Estimator
-from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.recordings.thinning import divided, thinned
-from jawenv.laboratory.references.smoother import IteratedSmoother
+from jawenv.recordings.estimate import Estimator
+from jawenv.recordings.record import Record
+from jawenv.recordings.record_filter import TensionFilter
+from jawenv.recordings.thinning import divided, thinned
+from jawenv.references.smoother import IteratedSmoother
 
 TICK_HZ = 100
 

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 from jawenv.envs.registration import register_environments
 
 if TYPE_CHECKING:
+    from jawenv.analysis.bound import bound_along
+    from jawenv.analysis.identifiability import identifiability
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Anatomy, Cohort, Patient, cohort
     from jawenv.anatomy.knowledge import Knowledge
     from jawenv.device import Device
@@ -22,14 +24,12 @@ if TYPE_CHECKING:
     from jawenv.inference.patient_law import PatientLaw
     from jawenv.inference.simulations import Simulations, simulate
     from jawenv.inference.treatable import treatable
-    from jawenv.laboratory.analysis.bound import bound_along
-    from jawenv.laboratory.analysis.identifiability import identifiability
-    from jawenv.laboratory.online import OnlineFilter
     from jawenv.mechanics.acceleration import acceleration
     from jawenv.mechanics.plant import Motion, PatientJaw, Plant
     from jawenv.metrics.score import score
     from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
     from jawenv.playing.rollout import information_bound, play
+    from jawenv.recordings.online import OnlineFilter
 
 _HOMES = {
     "Anatomy": "jawenv.anatomy",
@@ -43,7 +43,7 @@ _HOMES = {
     "MUSCLE_NAMES": "jawenv.anatomy",
     "Maneuver": "jawenv.playing.maneuvers",
     "Motion": "jawenv.mechanics.plant",
-    "OnlineFilter": "jawenv.laboratory.online",
+    "OnlineFilter": "jawenv.recordings.online",
     "PARAMETER_NAMES": "jawenv.anatomy",
     "Patient": "jawenv.anatomy",
     "PatientJaw": "jawenv.mechanics.plant",
@@ -51,11 +51,11 @@ _HOMES = {
     "Plant": "jawenv.mechanics.plant",
     "Player": "jawenv.playing.maneuvers",
     "acceleration": "jawenv.mechanics",
-    "bound_along": "jawenv.laboratory.analysis.bound",
+    "bound_along": "jawenv.analysis.bound",
     "cohort": "jawenv.anatomy",
     "contrastive_bounds": "jawenv.inference.information_gain",
     "fisher_information": "jawenv.inference.likelihood",
-    "identifiability": "jawenv.laboratory.analysis.identifiability",
+    "identifiability": "jawenv.analysis.identifiability",
     "information_bound": "jawenv.playing.rollout",
     "information_gain": "jawenv.inference.information_gain",
     "log_likelihood": "jawenv.inference.likelihood",

@@ -25,9 +25,9 @@ from jawenv.filter.belief.state import Belief, FilterSettings
 from jawenv.filter.model.basis import set_coefficients
 from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.kernels.compiled import njit
-from jawenv.laboratory.online import OnlineFilter
-from jawenv.laboratory.recordings.of_simulation import record_of
 from jawenv.playing.agents import own_seed
+from jawenv.recordings.of_simulation import record_of
+from jawenv.recordings.online import OnlineFilter
 
 ROWS = ("the belief", "the truth")
 EVERY = 20  # ticks from one belief to the next

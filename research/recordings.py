@@ -4,7 +4,7 @@
     python -m research.recordings --tuning --output runs/recordings.md   # on seeds 5000 and on, for the thresholds
 
 Prints for each kind how many are called unbelievable, with the statistics that the thresholds of
-``jawenv.laboratory.identification`` are about. Honest are recordings as they are, with anatomy known as an image gives
+``jawenv.recordings.identification`` are about. Honest are recordings as they are, with anatomy known as an image gives
 it, at 20 Hz, and with 5 % of the readings lost; patients and maneuvers follow each other. A spoilt recording is an
 exact one with its numbers changed; at a third of the strength, a third of the way from what they were.
 """
@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 import jawenv
 from agents import load_agent
-from jawenv.laboratory.identification import identified
-from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.recordings.thinning import thinned
+from jawenv.recordings.identification import identified
+from jawenv.recordings.record import Record
+from jawenv.recordings.thinning import thinned
 from jawenv.seeds import REPORTS, TUNING
 
 Array = NDArray[np.float64]

@@ -3,7 +3,7 @@
 import numpy as np
 
 import jawenv
-from jawenv.laboratory.references.numpy_model import step, step_with_derivative
+from jawenv.references.numpy_model import step, step_with_derivative
 
 DT = 0.01
 STATE, PARAMETERS, GAIN = slice(0, 10), slice(10, 22), 22

@@ -6,7 +6,6 @@ exact to rounding.
 
 import numpy as np
 
-from jawenv.laboratory.references.numpy_model import IMAGINARY_STEP
 from jawenv.mechanics.newton_euler import (
     acceleration,
     angle_axes,
@@ -21,6 +20,7 @@ from jawenv.mechanics.newton_euler import (
     state_rate,
     tensions,
 )
+from jawenv.references.numpy_model import IMAGINARY_STEP
 
 __all__ = [
     "IMAGINARY_STEP",

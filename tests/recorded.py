@@ -7,9 +7,9 @@ import numpy as np
 
 import jawenv
 from agents import load_agent
-from jawenv.laboratory.references.numpy_model import step
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.newton_euler import measurement
+from jawenv.references.numpy_model import step
 
 SWINGS = "opening_with_swings_and_fore_aft"
 

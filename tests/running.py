@@ -16,8 +16,8 @@ from jawenv.filter.updates.instrument import FIRST_READINGS
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_motion
 from jawenv.kernels.linalg import mirror
-from jawenv.laboratory.record_filter import FilterRun
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.recordings.record_filter import FilterRun
 
 ALL = np.ones(12, dtype=np.uint8)
 

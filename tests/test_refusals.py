@@ -15,25 +15,25 @@ from agents.sampling_planner import SamplingPlanner
 from eval.comparison.admission import AdmissionLimits
 from eval.kept.entries import Settings, load_entries
 from eval.patient.treatments import Course
+from eval.thesis.methods.inverse_kinematics import motion_from_pose
+from eval.thesis.methods.least_squares import NonlinearLeastSquares
+from eval.thesis.methods.moment_balance import balance_of
+from eval.thesis.methods.two_stage import TwoStageLogLinear
 from jawenv import InputError
+from jawenv.analysis.identifiability import collinearity, collinearity_of_size, in_words
+from jawenv.analysis.observability import observability
 from jawenv.anatomy import MuscleSet, Patient, Prior, attachment, cohort, default_fossa, default_mandible, muscle_set
 from jawenv.anatomy.stiffness import Stiffness
-from jawenv.laboratory.analysis.identifiability import collinearity, collinearity_of_size, in_words
-from jawenv.laboratory.analysis.observability import observability
-from jawenv.laboratory.record_filter import TensionFilter
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
-from jawenv.laboratory.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
-from jawenv.laboratory.references.smoother import IteratedSmoother
-from jawenv.laboratory.thesis_methods.inverse_kinematics import motion_from_pose
-from jawenv.laboratory.thesis_methods.least_squares import NonlinearLeastSquares
-from jawenv.laboratory.thesis_methods.moment_balance import balance_of
-from jawenv.laboratory.thesis_methods.two_stage import TwoStageLogLinear
 from jawenv.ladder import model_named, model_of_env
 from jawenv.mechanics import build_jaw
 from jawenv.metrics import diagnose, nees, time_to
 from jawenv.playing.policies.following import TargetsLaw, decision_hz
 from jawenv.playing.rollout import information_bound, play
 from jawenv.playing.singles import SingleWorlds
+from jawenv.recordings.record_filter import TensionFilter
+from jawenv.references.extended_kalman import ExtendedKalman
+from jawenv.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
+from jawenv.references.smoother import IteratedSmoother
 from jawenv.rendering import Renderer
 from training.run.config import Residual, TrainingConfig
 from training.run.train import parse_seeds

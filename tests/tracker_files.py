@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from jawenv.anatomy.mandible import default_mandible
-from jawenv.laboratory.recordings.columns import READINGS
+from jawenv.recordings.columns import READINGS
 
 HZ, SECONDS = 100.0, 6.0
 TEETH_MM, MOUTHPIECE_MM = 1e3 * default_mandible().teeth_m, 1e3 * default_mandible().mouthpiece_m

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from jawenv.laboratory.recordings.files import load_record
-from jawenv.laboratory.trackers.importing import ImportSettings, import_file
+from jawenv.recordings.files import load_record
+from jawenv.trackers.importing import ImportSettings, import_file
 from tests import tracker_files as files
 
 MARKERS = {"jaw": "J0,J1,J2", "head": "H0,H1,H2"}

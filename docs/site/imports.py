@@ -24,7 +24,18 @@ SHARED = (
 """Single modules that every room may import."""
 LOOP = ("kernels", "anatomy", "mechanics", "ladder", "device", "reality", "filter", "rendering", "envs")
 """Rooms of which something runs in every step of an environment."""
-STUDY = ("laboratory", "playing", "metrics", "inference", "sb3", "live", "commands")
+STUDY = (
+    "recordings",
+    "analysis",
+    "references",
+    "trackers",
+    "playing",
+    "metrics",
+    "inference",
+    "sb3",
+    "live",
+    "commands",
+)
 """Rooms that study the loop."""
 CLONE = ("agents", "training", "eval")
 """Packages that run from the clone."""

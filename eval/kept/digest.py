@@ -31,7 +31,9 @@ DECIDING = (
     "envs",
     "playing",
     "metrics",
-    "laboratory",
+    "recordings",
+    "analysis",
+    "references",
     "inference",
 )
 """Rooms of jawenv that a number can come from; the single modules beside them count too."""

@@ -14,7 +14,7 @@ import pyarrow as pa
 from jawenv import versions
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
-from jawenv.laboratory.recordings.parquet import read_parquet, write_parquet
+from jawenv.recordings.parquet import read_parquet, write_parquet
 
 _KEY = b"jawenv.eval"
 

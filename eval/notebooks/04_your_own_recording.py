@@ -28,7 +28,7 @@ import numpy as np
 import pandas as pd
 
 import jawenv
-from jawenv.laboratory.recordings.files import load_record, save_record
+from jawenv.recordings.files import load_record, save_record
 
 FILE = None  # for example Path("bench.csv")
 EPISODE_S = float(os.environ.get("JAWENV_NOTEBOOK_EPISODE_S", "30"))
@@ -79,7 +79,7 @@ except jawenv.InputError as error:
 # Estimates are of natural logarithms, so an sd of 0.05 is 5 %.
 
 # %%
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.references.extended_kalman import ExtendedKalman
 
 estimate = ExtendedKalman().estimate(record)
 mean, sd = estimate.mean[-1], estimate.sd[-1]

@@ -138,7 +138,7 @@ draws = None if NPE is None else neural_posterior(0)
 import pandas as pd
 
 from examples.importance_posterior import divergence, importance_posterior
-from jawenv.laboratory.record_filter import TensionFilter
+from jawenv.recordings.record_filter import TensionFilter
 
 belief = TensionFilter().estimate(record)
 believed = belief.mean[-1], belief.cov[-1]

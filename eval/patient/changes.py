@@ -13,8 +13,8 @@ from eval.figures import words
 from eval.patient.belief import at_start
 from eval.patient.charts import SD_95
 from eval.patient.treatments import Treatment
+from jawenv.analysis.joint_likelihood import JointLikelihood
 from jawenv.anatomy import Prior
-from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
 
 Array = NDArray[np.float64]
 

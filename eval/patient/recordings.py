@@ -14,8 +14,8 @@ from eval.patient.courses import MOMENTS
 from eval.patient.treatments import Treatment
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.errors import InputError
-from jawenv.laboratory.identification import Identification
-from jawenv.laboratory.recordings.record import Record
+from jawenv.recordings.identification import Identification
+from jawenv.recordings.record import Record
 
 
 def write_page(record: Record, result: Identification, recording: Path, target: Path) -> Path:

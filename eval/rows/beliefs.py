@@ -16,9 +16,9 @@ from eval.rows import filters, nuisances
 from eval.rows.filters import OTHERS, TENSION
 from eval.rows.nuisances import NuisanceBeliefs
 from jawenv.errors import InputError
-from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.metrics import claimed_information, covered, nees, true_information
 from jawenv.playing.recording import Recording
+from jawenv.recordings.estimate import Estimate
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 from jawenv.errors import InputError
-from jawenv.laboratory.recordings.estimate import Estimator
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
-from jawenv.laboratory.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
-from jawenv.laboratory.references.mode_search import ModeSearch
-from jawenv.laboratory.references.smoother import IteratedSmoother
+from jawenv.recordings.estimate import Estimator
+from jawenv.references.extended_kalman import ExtendedKalman
+from jawenv.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
+from jawenv.references.mode_search import ModeSearch
+from jawenv.references.smoother import IteratedSmoother
 
 TENSION = "tension"
 """The environment's own filter: its belief stands in the recording and is not computed again."""

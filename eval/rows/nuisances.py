@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from jawenv.analysis.joint_likelihood import belief_of_nuisances
 from jawenv.filter.nuisances.unknowns import AGAIN, ENDS, MOTORS, UNKNOWNS, Values
-from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances
 
 _OF_NAME = (
     dict.fromkeys(ENDS, "attachments")

@@ -14,9 +14,9 @@ from eval.figures import statistics, words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking
-from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 from jawenv.playing.rollout import play
+from jawenv.recordings.record import Record
+from jawenv.references.extended_kalman import ExtendedKalman
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 EPISODE_S = 30.0

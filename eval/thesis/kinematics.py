@@ -10,10 +10,10 @@ from eval.figures import statistics, words
 from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict, one_by_one
+from eval.thesis.methods.point_kinematics import compatible_range
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, lowering_then_sideways
-from jawenv.laboratory.recordings import defaults
-from jawenv.laboratory.thesis_methods.point_kinematics import compatible_range
+from jawenv.recordings import defaults
 
 POINTS = 60
 CLOSE_MM = 0.5  # a condyle that is found this closely follows the path that the figure shows

@@ -11,13 +11,13 @@ from eval.figures.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.histograms import FEWEST_IN_BINS, histograms, physician_view
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
+from eval.thesis.methods.least_squares import LinearLeastSquares, NonlinearLeastSquares
+from eval.thesis.methods.moment_balance import balance_of
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, SENSORS, full_record, plane_record
 from eval.thesis.spread import Spread, spreads
-from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.thesis_methods.least_squares import LinearLeastSquares, NonlinearLeastSquares
-from jawenv.laboratory.thesis_methods.moment_balance import balance_of
 from jawenv.metrics import FIBROSED_F_O_N
+from jawenv.recordings.record import Record
 
 NOISES = {"sensors": SENSORS, "sensors and forces": DEVICE}
 CLOSE = 0.1  # a mean this near to the truth, relative, is "close to the actual"

@@ -11,10 +11,10 @@ from eval.figures.statistics import Interval
 from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
+from eval.thesis.methods.least_squares import NonlinearLeastSquares
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, maneuver_record
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
-from jawenv.laboratory.thesis_methods.least_squares import NonlinearLeastSquares
+from jawenv.references.extended_kalman import ExtendedKalman
 
 OPENINGS = (5.0, 10.0, 20.0)
 SMALL, LARGE = 5.0, 20.0

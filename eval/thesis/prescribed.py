@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Prior
 from jawenv.device.device import Device
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
-from jawenv.laboratory.recordings import defaults
-from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH, acceleration_kernel
 from jawenv.mechanics.kinematics import turning_axes
+from jawenv.recordings import defaults
+from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, TICK, sampled_record
-from jawenv.laboratory.recordings.thinning import divided
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.recordings.thinning import divided
+from jawenv.references.extended_kalman import ExtendedKalman
 
 RATES = (200.0, 100.0, 50.0, 20.0, 10.0, 5.0)
 FILTER = ExtendedKalman("log")
@@ -161,5 +161,5 @@ ITEM = Item(
     figure,
     "Medians of the draws with their intervals; the green line is where a calibrated filter is. A rate without a dot "
     "diverges. What makes it too sure is not the rate of the readings but the length of its step: divided into ticks "
-    "of 10 ms (jawenv.laboratory.recordings.thinning), the same readings leave it nearly calibrated (docs/thesis.md).",
+    "of 10 ms (jawenv.recordings.thinning), the same readings leave it nearly calibrated (docs/thesis.md).",
 )

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
-from jawenv.laboratory.recordings.estimate import Estimate
-from jawenv.laboratory.recordings.record import Record
+from jawenv.recordings.estimate import Estimate
+from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
 

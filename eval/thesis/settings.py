@@ -18,8 +18,8 @@ from eval.thesis.prescribed import SLIDE, PrescribedMotion, lead
 from jawenv.anatomy import cohort
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
 from jawenv.device.device import Device
-from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.jaw import ALL_FREE, build_jaw
+from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
 Keyframes = dict[str, tuple[Sequence[float], Sequence[float]]]

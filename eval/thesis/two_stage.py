@@ -10,12 +10,12 @@ from eval.figures import words
 from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
+from eval.thesis.methods.least_squares import NonlinearLeastSquares
+from eval.thesis.methods.moment_balance import balance_of
+from eval.thesis.methods.two_stage import TwoStageLogLinear
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import SENSORS, hinge_record, plane_record
-from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.thesis_methods.least_squares import NonlinearLeastSquares
-from jawenv.laboratory.thesis_methods.moment_balance import balance_of
-from jawenv.laboratory.thesis_methods.two_stage import TwoStageLogLinear
+from jawenv.recordings.record import Record
 
 CLOSE = 0.1
 DRAWN = 100

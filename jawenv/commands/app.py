@@ -141,7 +141,7 @@ def import_command(
     ] = None,
 ) -> None:
     """Make a recording of a jaw tracker's file and a load cell's (docs/recordings.md#files-of-the-trade)."""
-    from jawenv.laboratory.trackers.importing import ImportSettings, import_file
+    from jawenv.trackers.importing import ImportSettings, import_file
 
     settings = ImportSettings(forces, landmarks, registered, jaw, head, unit, offset, columns, resample)
     for line in import_file(file, output, settings):

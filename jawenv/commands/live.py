@@ -54,9 +54,9 @@ def play_back(path: Path, port: int, open_browser: bool) -> None:
         InputError: the file cannot be read or is damaged, or the port is taken.
         MissingPackageError: viser is not installed.
     """
-    from jawenv.laboratory.recordings.files import load_record
     from jawenv.live.playback import Playback
     from jawenv.live.playback_page import PlaybackPage
+    from jawenv.recordings.files import load_record
 
     playback = Playback(load_record(path), path.stem)
     with serving(port) as server:

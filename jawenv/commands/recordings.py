@@ -12,11 +12,11 @@ import numpy as np
 from jawenv.anatomy import MUSCLE_NAMES
 from jawenv.errors import InputError, MissingPackageError
 from jawenv.files import check_kept
-from jawenv.laboratory.identification import Identification, identified
-from jawenv.laboratory.recordings.files import load_record
-from jawenv.laboratory.recordings.plausibility import findings
-from jawenv.laboratory.recordings.record import Record
 from jawenv.metrics.verdicts import NO_VERDICT, UNKNOWN, WITHHELD, Verdict, verdicts
+from jawenv.recordings.files import load_record
+from jawenv.recordings.identification import Identification, identified
+from jawenv.recordings.plausibility import findings
+from jawenv.recordings.record import Record
 
 NOT_BELIEVABLE = 3
 SD_95 = 1.96

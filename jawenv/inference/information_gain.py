@@ -15,7 +15,7 @@ from jawenv.errors import InputError, shown
 from jawenv.inference.likelihood import log_likelihood
 from jawenv.inference.patient_law import PatientLaw
 from jawenv.inference.settings import Array
-from jawenv.laboratory.recordings.record import Record
+from jawenv.recordings.record import Record
 
 CONTRASTS = 64
 DEGREES_OF_FREEDOM = 10

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jawenv.analysis.bound import bound_along
+from jawenv.analysis.identifiability import data_information
 from jawenv.inference.likelihood_kernel import innovations_log_density
 from jawenv.inference.settings import Array, log_parameters
-from jawenv.laboratory.analysis.bound import bound_along
-from jawenv.laboratory.analysis.identifiability import data_information
-from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.references.extended_kalman_kernel import Problem
-from jawenv.laboratory.references.initial import working_memory
+from jawenv.recordings.record import Record
+from jawenv.references.extended_kalman_kernel import Problem
+from jawenv.references.initial import working_memory
 
 
 def log_likelihood(record: Record, theta: ArrayLike) -> Array:

@@ -14,8 +14,8 @@ from jawenv.filter.bound.joint_recursion import JointScratch, innovation_varianc
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
-from jawenv.laboratory.references.extended_kalman_kernel import Problem, predict_plain
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.references.extended_kalman_kernel import Problem, predict_plain
 
 
 @njit

@@ -21,9 +21,9 @@ from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.inference.settings import DEFAULT_ENV, Array, Mask, configuration_of, log_parameters, patient_of
 from jawenv.inference.treatable import begins
-from jawenv.laboratory.recordings.of_simulation import record_of
-from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.recordings.of_simulation import record_of
+from jawenv.recordings.record import Record
 
 MOST_WORLDS = 256
 """Moved together; what all of them read is in memory at the same time."""
@@ -52,7 +52,7 @@ class Simulations:
     ticks: NDArray[np.int64]
     """(n,) ticks that the episode lasted; -1 where the patient cannot be treated."""
     records: tuple[Record | None, ...]
-    """N records, as every estimator of ``jawenv.laboratory`` takes them; None where the patient cannot be treated."""
+    """N records, as every estimator takes them; None where the patient cannot be treated."""
 
     @property
     def treatable(self) -> Mask:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from jawenv.laboratory.record_filter import TensionFilter
-from jawenv.laboratory.recordings.record import Record
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.session import Shown
 from jawenv.mechanics.bilateral import N_BODY
@@ -13,6 +11,8 @@ from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import rotation
 from jawenv.metrics.precision import time_to
 from jawenv.playing.agents import Array
+from jawenv.recordings.record import Record
+from jawenv.recordings.record_filter import TensionFilter
 from jawenv.rendering.scene import Scene
 
 FRAMES_PER_S = 20.0

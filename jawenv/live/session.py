@@ -16,9 +16,6 @@ from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.shown_world import build_scene
 from jawenv.errors import InputError, not_among
-from jawenv.laboratory.recordings.files import save_record
-from jawenv.laboratory.recordings.of_simulation import record_of
-from jawenv.laboratory.recordings.record import Record
 from jawenv.live.deciding import Deciding
 from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
 from jawenv.live.outcome import KNOWN, DriveOutcome
@@ -26,6 +23,9 @@ from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
 from jawenv.playing.agents import Agent, Array
 from jawenv.playing.maneuvers import Maneuver, maneuver_names
+from jawenv.recordings.files import save_record
+from jawenv.recordings.of_simulation import record_of
+from jawenv.recordings.record import Record
 from jawenv.rendering.scene import Scene
 
 BY_HAND = "you"

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from jawenv.errors import InputError, shown
 
 if TYPE_CHECKING:
-    from jawenv.laboratory.recordings.record import Record
+    from jawenv.recordings.record import Record
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]

@@ -26,7 +26,7 @@ from jawenv.playing.singles import SingleWorlds
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
     from jawenv.files import Source
-    from jawenv.laboratory.recordings.record import Record
+    from jawenv.recordings.record import Record
 
 OnStep: TypeAlias = Callable[[Any, Action | None], None]
 
@@ -130,7 +130,7 @@ def _worlds(env_id: str, number: int, kwargs: Mapping[str, Any]) -> Any:
 
 def _record(env: Any, index: int) -> Record:
     """The record of one world's device."""
-    from jawenv.laboratory.recordings.of_simulation import record_of
+    from jawenv.recordings.of_simulation import record_of
 
     if isinstance(env, SingleWorlds):
         return env.record(index)

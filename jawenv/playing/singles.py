@@ -13,7 +13,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from jawenv.errors import InputError, shown
 
 if TYPE_CHECKING:
-    from jawenv.laboratory.recordings.record import Record
+    from jawenv.recordings.record import Record
 
 __all__ = ["SingleWorlds"]
 
@@ -74,7 +74,7 @@ class SingleWorlds(SyncVectorEnv):
 
     def record(self, index: int) -> Record:
         """The record of the device of world ``index``."""
-        from jawenv.laboratory.recordings.of_simulation import record_of
+        from jawenv.recordings.of_simulation import record_of
 
         world: Any = self.envs[index].unwrapped
         return record_of(world.simulation, 0)

@@ -25,11 +25,11 @@ from parts import SCRATCH_OFFSETS, parts_table, scratch_seconds
 from speeds import WORLDS, Row, Sinusoids, Size, humanoid, ladder_speeds, run_single, run_vector, say, sinusoids, speeds
 
 import jawenv
-from jawenv.laboratory.recordings.estimate import Estimator
-from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
-from jawenv.laboratory.references.filterpy_filters import FilterpyExtendedKalman
 from jawenv.playing.rollout import DEFAULT_ENV
+from jawenv.recordings.estimate import Estimator
+from jawenv.recordings.record import Record
+from jawenv.references.extended_kalman import ExtendedKalman
+from jawenv.references.filterpy_filters import FilterpyExtendedKalman
 
 HEAVY = ("torch", "matplotlib", "pymunk")
 IMPORT = f"""

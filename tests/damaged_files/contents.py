@@ -15,10 +15,10 @@ from eval.kept.tables import write_table
 from eval.patient.courses import save as save_treatment
 from eval.patient.treatments import Treatment
 from jawenv.anatomy import cohort
-from jawenv.laboratory.recordings import defaults
-from jawenv.laboratory.recordings.files import save_record
-from jawenv.laboratory.recordings.record import Record
 from jawenv.ladder import model_named
+from jawenv.recordings import defaults
+from jawenv.recordings.files import save_record
+from jawenv.recordings.record import Record
 
 ANATOMY = """[mandible]
 mass_kg = 0.25

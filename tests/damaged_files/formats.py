@@ -21,15 +21,15 @@ from eval.studies.design import read as read_study
 from eval.studies.design import shipped as shipped_studies
 from jawenv import Anatomy, Cohort, Device, Patient
 from jawenv.files import read_model
-from jawenv.laboratory.recordings.files import load_record
-from jawenv.laboratory.recordings.mapping import read_columns
-from jawenv.laboratory.trackers.importing import READERS
-from jawenv.laboratory.trackers.registration import read_landmarks
-from jawenv.laboratory.trackers.tracks import Tracks
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
 from jawenv.playing.policies.card import SHIPPED, ResultsFile, read_card
 from jawenv.reality.options import Reality
+from jawenv.recordings.files import load_record
+from jawenv.recordings.mapping import read_columns
+from jawenv.trackers.importing import READERS
+from jawenv.trackers.registration import read_landmarks
+from jawenv.trackers.tracks import Tracks
 from tests import tracker_files
 from tests.damaged_files import contents
 from training.run.config import TrainingConfig

@@ -8,8 +8,8 @@ import jawenv
 from agents import load_agent
 from jawenv.anatomy.knowledge import IMAGED
 from jawenv.filter.nuisances.unknowns import changed_jaw, offset_of, turn_of
-from jawenv.laboratory.references.numpy_model import measurement_with_derivative, step, step_with_derivative
 from jawenv.mechanics import newton_euler
+from jawenv.references.numpy_model import measurement_with_derivative, step, step_with_derivative
 
 N, P = 10, 12  # motion and parameters
 EPS = 1e-3  # sds

@@ -10,9 +10,9 @@ import jawenv
 from jawenv.controls import CONTROLS
 from jawenv.envs.observation import observation_layout
 from jawenv.envs.registration import ENVIRONMENTS
-from jawenv.laboratory.references.numpy_model import step
 from jawenv.ladder import MODELS
 from jawenv.metrics import nees_band
+from jawenv.references.numpy_model import step
 
 OTHERS = [env_id for env_id, name in ENVIRONMENTS.items() if name != "jaw"]
 STEPS = 30

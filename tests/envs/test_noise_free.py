@@ -6,8 +6,8 @@ import pytest
 
 import jawenv
 from jawenv.filter.readings import least_noise
-from jawenv.laboratory.record_filter import TensionFilter
-from jawenv.laboratory.recordings.of_simulation import record_of
+from jawenv.recordings.of_simulation import record_of
+from jawenv.recordings.record_filter import TensionFilter
 
 ENCODERS = dict.fromkeys(
     ("encoder_position_mm", "encoder_angle_deg", "encoder_velocity_mm_s", "encoder_rate_rad_s"), 0.0

@@ -7,10 +7,10 @@ from test_copies import actions
 
 import jawenv
 from jawenv.anatomy import Attachment, attachment, default_mandible, known_muscle_sets
-from jawenv.laboratory.record_filter import TensionFilter
-from jawenv.laboratory.recordings.of_simulation import record_of
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
+from jawenv.recordings.of_simulation import record_of
+from jawenv.recordings.record_filter import TensionFilter
 
 ID = "jawenv/Jaw-v3"
 HEAVY = {"mandible": {"mass_kg": 0.4}, "fossa": {"drop_m": 0.003, "spatial_frequency": 220.0}}

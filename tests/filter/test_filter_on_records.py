@@ -9,19 +9,19 @@ from recorded import BODY, SWINGS, Waves, share
 
 import jawenv
 from agents import load_agent
+from eval.thesis.methods.least_squares import LinearLeastSquares
+from eval.thesis.methods.two_stage import TwoStageLogLinear
 from jawenv import Device, InputError, Knowledge, OnlineFilter
+from jawenv.analysis.bound import bound_along
 from jawenv.anatomy.knowledge import LEVELS
 from jawenv.inference.likelihood import log_likelihood
-from jawenv.laboratory.analysis.bound import bound_along
-from jawenv.laboratory.record_filter import TensionFilter
-from jawenv.laboratory.recordings.files import load_record, save_record
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
-from jawenv.laboratory.references.filterpy_filters import FilterpyExtendedKalman
-from jawenv.laboratory.references.mode_search import ModeSearch
-from jawenv.laboratory.references.smoother import IteratedSmoother
-from jawenv.laboratory.thesis_methods.least_squares import LinearLeastSquares
-from jawenv.laboratory.thesis_methods.two_stage import TwoStageLogLinear
 from jawenv.metrics.calibration import nees_band
+from jawenv.recordings.files import load_record, save_record
+from jawenv.recordings.record_filter import TensionFilter
+from jawenv.references.extended_kalman import ExtendedKalman
+from jawenv.references.filterpy_filters import FilterpyExtendedKalman
+from jawenv.references.mode_search import ModeSearch
+from jawenv.references.smoother import IteratedSmoother
 
 # As many columns as ``BODY`` has, and a mouthpiece that is turned.
 TURNED = Knowledge(attachments=0.1, fossa=0.1, mass=0.1, head_tilt_deg=3.0, mouthpiece_deg=0.5, damping=0.2)

@@ -13,8 +13,8 @@ from running import Running
 import jawenv
 from agents import load_agent
 from jawenv.filter.updates.measurement_update import REFUSED
-from jawenv.laboratory.record_filter import FilterRun, filter_record
 from jawenv.metrics.calibration import nees_band
+from jawenv.recordings.record_filter import FilterRun, filter_record
 
 GLITCH = 0.01  # m
 SECONDS = 6.0

@@ -8,8 +8,8 @@ from scipy.linalg import expm
 
 import jawenv
 from jawenv.filter.model import motion_step as step
-from jawenv.laboratory.references.numpy_model import fastest_rate, parts_needed, reading_at
 from jawenv.mechanics import build_jaw
+from jawenv.references.numpy_model import fastest_rate, parts_needed, reading_at
 
 DT = 0.01
 STAGES = (0.0, 0.5, 0.5, 1.0)

@@ -9,10 +9,10 @@ import pytest
 
 import jawenv
 from jawenv.filter.updates.measurement_update import GATE
-from jawenv.laboratory.online import OnlineFilter
 from jawenv.metrics.calibration import nees
 from jawenv.playing.excitation import ACTION_SIZE, EXCITATIONS
 from jawenv.playing.maneuvers import Player
+from jawenv.recordings.online import OnlineFilter
 
 EACH = 4  # patients for each way to act
 SECONDS = 10.0

@@ -17,8 +17,8 @@ from jawenv.filter.nuisances.changes import add_readings, set_wrenches
 from jawenv.filter.nuisances.unknowns import FARTHEST, cell_turn_of, changed_jaw, offset_of, scaled, turn_of
 from jawenv.filter.updates.measurement_update import EXPECTED
 from jawenv.kernels.compiled import njit
-from jawenv.laboratory.online import take_tick
 from jawenv.playing.maneuvers import Player
+from jawenv.recordings.online import take_tick
 
 EPS = 1e-3  # sds
 

@@ -21,10 +21,10 @@ from jawenv.filter.tick import (
     take_readings,
 )
 from jawenv.filter.updates.measurement_update import SURPRISING
-from jawenv.laboratory.online import take_tick
-from jawenv.laboratory.record_filter import FilterRun, TensionFilter
-from jawenv.laboratory.recordings.thinning import divided, thinned
 from jawenv.metrics.calibration import nees, nees_band
+from jawenv.recordings.online import take_tick
+from jawenv.recordings.record_filter import FilterRun, TensionFilter
+from jawenv.recordings.thinning import divided, thinned
 
 
 @pytest.fixture(scope="module")

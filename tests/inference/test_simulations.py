@@ -8,8 +8,8 @@ import pytest
 
 import jawenv
 from jawenv.inference import simulations
-from jawenv.laboratory.recordings.of_simulation import record_of
 from jawenv.ladder import MODELS, model_named
+from jawenv.recordings.of_simulation import record_of
 
 SOFT = np.log([1.2, 7.0] * 6)
 LIMP = np.log([1e-4, 7.0] * 6)  # hangs far open

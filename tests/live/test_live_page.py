@@ -13,7 +13,6 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 
 from jawenv.errors import InputError
-from jawenv.laboratory.recordings.files import load_record
 from jawenv.live import panels
 from jawenv.live.admission import AccessRules
 from jawenv.live.page import Page
@@ -22,6 +21,7 @@ from jawenv.live.playback_page import PlaybackPage
 from jawenv.live.server import serving, url_of
 from jawenv.live.session import BY_HAND, DriveSession
 from jawenv.live.setup import Setup
+from jawenv.recordings.files import load_record
 from tests.browser import new_page
 
 FEW_PIXELS = "/?fixedDpr=0.25"  # these browsers draw without a graphics card

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from jawenv.errors import InputError
-from jawenv.laboratory.recordings.files import load_record
 from jawenv.live import saving
 from jawenv.live.page import Page
 from jawenv.live.saving import Saves
 from jawenv.live.server import serving
 from jawenv.live.session import DriveSession
 from jawenv.live.setup import Setup
+from jawenv.recordings.files import load_record
 
 SHORT = Setup.of(seed=500, episode_s=2.0)
 OPEN = [0.4, 0.0, 0.0, 0.0]

@@ -6,13 +6,13 @@ import pytest
 from eval.kept.entries import load_entries
 from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.errors import InputError
-from jawenv.laboratory.recordings.files import load_record
 from jawenv.live.drive_file import maneuver_of_drive
 from jawenv.live.outcome import DriveOutcome, outcomes_of_rivals
 from jawenv.live.playback import Playback
 from jawenv.live.session import BY_HAND, DriveSession
 from jawenv.live.setup import Setup
 from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.recordings.files import load_record
 from tests.recorded import BODY
 
 SHORT = Setup.of(seed=500, episode_s=3.0)

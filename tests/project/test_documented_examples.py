@@ -27,8 +27,8 @@ import jawenv
 import jawenv.commands.app
 import jawenv.playing.rollout
 import training.cli
-from jawenv.laboratory.recordings.files import load_record
 from jawenv.playing.policies.card import Result
+from jawenv.recordings.files import load_record
 
 EPISODE_S = 2.0
 NOT_OF_THE_WHEEL = {*BLOCKED, "rich", "agents", "training", "eval"} - {"yaml"}  # PyYAML is required by the wheel

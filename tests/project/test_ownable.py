@@ -42,8 +42,8 @@ LEAVES = {
     "live page": Leaf(
         ("jawenv/live/*", "jawenv/commands/live.py", "eval/commands/live.py"), (JAWENV, EVAL), ("tests/live",)
     ),
-    "trackers": Leaf(("jawenv/laboratory/trackers/*",), (JAWENV,), ("tests/laboratory/trackers",)),
-    "thesis": Leaf(("eval/thesis/*", "jawenv/laboratory/thesis_methods/*"), (EVAL,), ("tests/eval/thesis",)),
+    "trackers": Leaf(("jawenv/trackers/*",), (JAWENV,), ("tests/trackers",)),
+    "thesis": Leaf(("eval/thesis/*", "eval/thesis/methods/*"), (EVAL,), ("tests/eval/thesis",)),
     "benchmark": Leaf(("eval/benchmark/*", "eval/commands/benchmark.py"), (EVAL,), ("tests/eval/benchmark",)),
     "calibration tables": Leaf(
         ("eval/calibration/*", "eval/commands/calibration.py"), (EVAL,), ("tests/eval/calibration",)
@@ -68,14 +68,14 @@ LEAVES = {
         ("tests/inference",),
     ),
     "identifiability": Leaf(
-        ("jawenv/laboratory/analysis/identifiability.py", "jawenv/laboratory/analysis/observability.py"),
+        ("jawenv/analysis/identifiability.py", "jawenv/analysis/observability.py"),
         ("jawenv/__init__.py", "jawenv/inference/likelihood.py"),
-        ("tests/laboratory/analysis",),
+        ("tests/analysis",),
     ),
     "smoothers": Leaf(
-        ("jawenv/laboratory/references/*", "jawenv/laboratory/analysis/joint_likelihood.py"),
+        ("jawenv/references/*", "jawenv/analysis/joint_likelihood.py"),
         ("eval/rows/*", "eval/patient/*", "eval/thesis/*", "jawenv/inference/*"),
-        ("tests/laboratory/references",),
+        ("tests/references",),
     ),
     "tune": Leaf(("training/run/tune.py",), (TRAINING,), ("tests/training",)),
     "onnx": Leaf(("training/run/onnx_file.py",), (TRAINING,), ("tests/training",)),

@@ -55,7 +55,7 @@ REFUSED = {
     "MuJoCo": 'gym.make("jawenv/Jaw-v3", plant="jawenv.mechanics.mujoco_jaw:MujocoJaw")',
     "pictures": 'env = gym.make("jawenv/Jaw-v3", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()',
     "stable-baselines3": "import jawenv.sb3",
-    "filters": "import jawenv.laboratory.references.filterpy_filters",
+    "filters": "import jawenv.references.filterpy_filters",
 }
 REFUSALS = f"""
 import json

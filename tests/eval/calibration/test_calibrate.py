@@ -16,9 +16,9 @@ from eval.calibration import nuisances as tables
 from eval.commands.app import main
 from eval.rows import beliefs, nuisances
 from eval.rows.filters import OTHERS
-from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances, joint_likelihood
-from jawenv.laboratory.recordings.estimate import Estimate
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.analysis.joint_likelihood import belief_of_nuisances, joint_likelihood
+from jawenv.recordings.estimate import Estimate
+from jawenv.references.extended_kalman import ExtendedKalman
 from tests.metrics.linear_gaussian import linear_gaussian
 
 MANEUVER = "opening_with_swings_and_fore_aft"
@@ -83,7 +83,7 @@ def test_the_figures_are_those_of_the_recordings(tmp_path, capsys, recording):
 
 
 def test_the_environments_own_filter_is_the_same_over_the_record(recording):
-    from jawenv.laboratory.record_filter import TensionFilter
+    from jawenv.recordings.record_filter import TensionFilter
 
     for i, record in enumerate(recording.records):
         np.testing.assert_array_equal(TensionFilter().estimate(record).mean, recording.belief_mean[i])

@@ -9,8 +9,8 @@ from eval.kept.entries import Settings, load_entries
 from eval.patient.belief import KnownPatient, at_start
 from eval.patient.changes import change, change_in_words
 from eval.patient.treatments import first_treatment, next_treatment, population_of
+from jawenv.analysis.joint_likelihood import JointLikelihood
 from jawenv.anatomy import Patient, Prior
-from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
 
 PAIRS, FIRST_SEED, DRIFT = 24, 990_000, 0.1  # seeds of no other use
 

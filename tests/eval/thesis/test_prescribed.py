@@ -11,8 +11,8 @@ from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_
 from jawenv.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
 from jawenv.filter.model.joint_step import propagate
-from jawenv.laboratory.recordings.thinning import divided, thinned
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.recordings.thinning import divided, thinned
+from jawenv.references.extended_kalman import ExtendedKalman
 
 
 def test_keyframes_are_met_at_rest():

@@ -1,0 +1,270 @@
+"""Identifiability of a record's parameters: information, least-known combinations, collinearity.
+
+All of it follows from the bound along the record's motion: it is about the maneuver and the device, and not about any
+estimator. Parameters are natural logs: a direction's sd of 0.05 is 5 %.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from math import comb
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jawenv.analysis.bound import bound_along
+from jawenv.analysis.observability import Observability, observability
+from jawenv.errors import InputError
+from jawenv.recordings.record import Record
+
+Array = NDArray[np.float64]
+MOST_SUBSETS = 200_000
+# Brun et al. (2001) call parameters of a collinearity index above 10 to 15 poorly identifiable together.
+COLLINEAR = 10.0
+NAMED_SHARE = 0.75  # least share of a direction's squared length that is named
+
+
+def data_information(covariance: Array, prior_sd: Array) -> Array:
+    """Information (p, p) about the parameters that came from the data alone: P^-1 without the prior's.
+
+    Taken in units of the prior's sds, where rounding hurts least. The motion and all noise are integrated out. Exact
+    if the load cell has no gain error; one that is considered (Schmidt 1966) makes the data's share depend a little on
+    the prior.
+
+    Args:
+        covariance: (p, p) posterior, as ``Bound.cov[-1]``.
+        prior_sd: (p,) of independent priors.
+    """
+    size = np.outer(prior_sd, prior_sd)
+    gained = np.linalg.inv(covariance / size) - np.eye(len(prior_sd))
+    return np.asarray(0.5 * (gained + gained.T) / size, dtype=np.float64)
+
+
+def collinearity(information: Array, subset: Sequence[int] | None = None) -> float:
+    """Collinearity index gamma_K of some parameters (Brun, Reichert & Kuensch 2001, Water Resour. Res. 37:1015).
+
+    1 / sqrt(smallest eigenvalue of S~^T S~), with S~ the sensitivities of the chosen parameters, each of length 1. Here
+    S^T S is the data's information, in which motion and noise are integrated out. It is 1 for parameters whose effects
+    have nothing in common; at gamma, a change of one parameter can be made up for by the others to 1 / gamma of its
+    effect. Other parameters than the chosen count as known.
+
+    Args:
+        information: (p, p) of the data alone.
+        subset: which parameters; None for all.
+
+    Returns:
+        1 or more; infinite if the data do not see one of them, or cannot tell them apart at all.
+    """
+    size = len(information)
+    chosen = list(range(size)) if subset is None else list(subset)
+    if not chosen or len(set(chosen)) != len(chosen) or not all(0 <= i < size for i in chosen):
+        raise InputError(f"subset is {chosen}; allowed: different numbers from 0 to {size - 1}")
+    return float(_indices(information, np.array([chosen]))[0])
+
+
+def collinearity_of_size(information: Array, size: int) -> tuple[NDArray[np.intp], Array]:
+    """Every subset of some size with its collinearity index, the most collinear first.
+
+    Args:
+        information: (p, p) of the data alone.
+        size: parameters in each of the M subsets.
+
+    Returns:
+        (M, size) parameter numbers and (M,) indices.
+    """
+    number = len(information)
+    if not 1 <= size <= number or comb(number, size) > MOST_SUBSETS:
+        raise InputError(f"size is {size}; allowed: 1 to {number} with at most {MOST_SUBSETS} subsets")
+    subsets = np.array(list(combinations(range(number), size)))
+    indices = _indices(information, subsets)
+    order = np.argsort(-indices, kind="stable")
+    return subsets[order], indices[order]
+
+
+def _indices(information: Array, subsets: NDArray[np.intp]) -> Array:
+    """(M,) collinearity indices of (M, k) subsets."""
+    length = np.sqrt(np.maximum(np.diag(information), 0.0))
+    scale = np.where(length > 0.0, length, 1.0)
+    unit = information / np.outer(scale, scale)
+    smallest = np.linalg.eigvalsh(unit[subsets[:, :, None], subsets[:, None, :]])[:, 0]
+    smallest[(length[subsets] == 0.0).any(axis=1)] = 0.0
+    # Below rounding there is no telling how small it is.
+    rounding = subsets.shape[1] * np.finfo(float).eps
+    return np.where(smallest > rounding, 1.0 / np.sqrt(np.maximum(smallest, rounding)), np.inf)
+
+
+def in_words(direction: ArrayLike, names: Sequence[str]) -> str:
+    """Say what a combination of parameters is about.
+
+    The largest parts that make up ``NAMED_SHARE`` of the squared length are named, those of one sign against those of
+    the other.
+
+    Args:
+        direction: (p,) weights of the log-parameters; its length and sign do not matter.
+        names: (p,) parameter names, ``log_F_o/<muscle>_<side>``.
+
+    Returns:
+        Such as 'F_o: temporalis, left against right', 'F_o against b: masseter, left' or, where more than one of kind,
+        muscle and side differs, 'F_o masseter left against b temporalis right'.
+    """
+    weights = np.asarray(direction, dtype=np.float64)
+    if weights.shape != (len(names),) or not np.isfinite(weights).all() or not weights.any():
+        raise InputError(
+            f"direction is {np.array2string(weights, threshold=6)}; "
+            f"allowed: {len(names)} finite numbers that are not all 0"
+        )
+    size = np.sort(np.abs(weights))[::-1]
+    smallest = size[np.searchsorted(np.cumsum(size**2), NAMED_SHARE * np.sum(size**2))] * (1.0 - 1e-6)
+    named = np.flatnonzero(np.abs(weights) >= smallest)
+    first = np.sign(weights[named[0]])  # F_o before b and left before right, whichever sign came out of a solver
+    labels = [_label(name) for name in names]
+    groups = [[labels[i] for i in named if (np.sign(weights[i]) == first) is same] for same in (np.True_, np.False_)]
+    groups = [group for group in groups if group]
+    values = [[tuple(dict.fromkeys(part)) for part in zip(*group, strict=True)] for group in groups]
+    products = all(
+        np.prod([len(part) for part in own]) == len(group) for own, group in zip(values, groups, strict=True)
+    )
+    if not products or sum(len(set(own)) > 1 for own in zip(*values, strict=True)) > 1:
+        return " against ".join(" and ".join(" ".join(filter(None, label)) for label in group) for group in groups)
+    whole = [tuple(dict.fromkeys(part)) for part in zip(*labels, strict=True)]
+    kind, *rest = (
+        " against ".join(dict.fromkeys(_joined(part, every, all_of) for part in own))
+        for own, every, all_of in zip(zip(*values, strict=True), whole, ("", "all muscles", "both sides"), strict=True)
+    )
+    return ": ".join(filter(None, (kind, ", ".join(filter(None, rest)))))
+
+
+def _label(name: str) -> tuple[str, str, str]:
+    """Kind, muscle and side of a parameter's name; empty where the model tells none."""
+    kind, _, muscle = name.removeprefix("log_").partition("/")
+    side = muscle.rpartition("_")[2] if muscle.endswith(("left", "right")) else ""
+    return kind, muscle.removesuffix(side).replace("_", " ").strip(), side
+
+
+def _joined(values: tuple[str, ...], every: tuple[str, ...], all_of: str) -> str:
+    """Some kinds, muscles or sides in words."""
+    if all_of and len(every) > 1 and set(values) == set(every):
+        return all_of
+    return " and ".join(filter(None, (", ".join(values[:-1]), values[-1])))
+
+
+@dataclass(frozen=True, eq=False)
+class Combination:
+    """A direction in the space of the p natural-log parameters."""
+
+    direction: Array  # (p,) of length 1
+    sd: float  # the posterior's along it
+    prior_sd: float  # the prior's along it
+    words: str  # what it is about
+
+
+@dataclass(frozen=True, eq=False)
+class Identifiability:
+    """The information of a record about p natural-log parameters, independent of the estimator."""
+
+    parameter_names: tuple[str, ...]  # p names
+    duration_s: float  # of the record, s
+    covariance: Array  # (p, p) bound at its end
+    prior_sd: Array  # (p,) before the record
+    information: Array  # (p, p) from the data alone
+    observability: Observability  # ranks and singular values of motion and parameters together, window by window
+
+    @property
+    def sd(self) -> Array:
+        """(p,) bound of each parameter's standard deviation."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @cached_property
+    def spectrum(self) -> Array:
+        """(p,) eigenvalues of the data's information, largest first; 1 / sqrt of one is the data's own sd."""
+        return np.asarray(np.linalg.eigvalsh(self.information)[::-1], dtype=np.float64)
+
+    @cached_property
+    def directions(self) -> Array:
+        """(p, p) eigenvectors of the data's information, in the order of ``spectrum``: one in each column."""
+        return np.linalg.eigh(self.information)[1][:, ::-1]
+
+    @property
+    def collinearity(self) -> float:
+        """Collinearity index of all parameters together."""
+        return collinearity(self.information)
+
+    @property
+    def pair_collinearity(self) -> Array:
+        """(p, p) collinearity index of every two parameters; 1 on the diagonal."""
+        table = np.ones_like(self.information)
+        for i, j in combinations(range(len(table)), 2):
+            table[i, j] = table[j, i] = collinearity(self.information, [i, j])
+        return table
+
+    def least_known(self, number: int = 1) -> list[Combination]:
+        """The directions with the largest posterior sd, largest first.
+
+        Args:
+            number: how many, 1 to p.
+        """
+        size = len(self.prior_sd)
+        if not 1 <= number <= size:
+            raise InputError(f"number is {number}; allowed: 1 to {size}")
+        values, vectors = np.linalg.eigh(self.covariance)
+        return [
+            Combination(
+                direction=vectors[:, i],
+                sd=float(np.sqrt(values[i])),
+                prior_sd=float(np.linalg.norm(vectors[:, i] * self.prior_sd)),
+                words=in_words(vectors[:, i], self.parameter_names),
+            )
+            for i in range(size - 1, size - 1 - number, -1)
+        ]
+
+    def describe(self) -> str:
+        """A few lines for a person."""
+        size, seen = len(self.prior_sd), self.observability
+        nats = float(np.log(self.prior_sd).sum() - 0.5 * np.linalg.slogdet(self.covariance)[1])
+        worst = int(np.argmax(self.sd))
+        determined = int((self.spectrum * np.mean(self.prior_sd**2) > 1.0).sum())
+        lines = [
+            f"{self.duration_s:g} s, {size} parameters: {nats:.1f} nats at most",
+            f"worst parameter: {self.parameter_names[worst]}, sd {self.sd[worst]:.1%}",
+            "least-known combinations:",
+            *(f"  {row.words}: sd {row.sd:.1%} (prior {row.prior_sd:.0%})" for row in self.least_known(min(3, size))),
+            f"directions of which the data say more than the prior: {determined} of {size}",
+            f"collinearity index of all: {self.collinearity:.1f}",
+        ]
+        if size > 1:
+            subsets, indices = collinearity_of_size(self.information, 2)
+            first, second = (self.parameter_names[i] for i in subsets[0])
+            verdict = "hard to tell apart" if indices[0] > COLLINEAR else "can be told apart"
+            lines.append(f"most collinear pair: {first} and {second}, index {indices[0]:.1f}, {verdict}")
+        full = np.flatnonzero(seen.growing_rank == seen.states)
+        when = f"{seen.start[full[0]] + seen.window_s:g} s" if len(full) else "never"
+        lines.append(
+            f"motion and parameters, {seen.states} states: rank {seen.frozen_rank.min()} to {seen.frozen_rank.max()} "
+            f"at one moment, {seen.rank.min()} to {seen.rank.max()} in {seen.window_s:g} s; full rank after: {when}"
+        )
+        return "\n".join(lines)
+
+
+def identifiability(record: Record, parameters: Array | None = None, window_s: float = 1.0) -> Identifiability:
+    """The identifiability of a record's parameters.
+
+    Args:
+        record: with ``states``, see ``bound.bound_along``.
+        parameters: (p,) natural-log parameters at which the model is linearised; None for the record's ``truth``.
+        window_s: length of the windows of the observability, s.
+
+    Raises:
+        InputError: as ``bound_along`` and ``observability``.
+    """
+    bound = bound_along(record, parameters, every=len(record.time) - 1)
+    return Identifiability(
+        parameter_names=record.parameter_names,
+        duration_s=float(record.time[-1] - record.time[0]),
+        covariance=bound.cov[-1],
+        prior_sd=bound.prior_sd,
+        information=data_information(bound.cov[-1], bound.prior_sd),
+        observability=observability(record, parameters, window_s),
+    )

@@ -1,1 +1,0 @@
-"""Readings of a device: records, their files, and the result of an estimator."""

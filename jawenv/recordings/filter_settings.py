@@ -1,0 +1,96 @@
+"""Settings of the environments' filter for a geometry that is known within sds, and for a record."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy.knowledge import Knowledge
+from jawenv.device.force_sensor import device_with_sensor, sds_of_sensor
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.world.plants import TICK
+from jawenv.filter.belief.state import filter_settings_dtype
+from jawenv.filter.model.initial_motion import start_sd
+from jawenv.filter.nuisances.directions import directions
+from jawenv.filter.nuisances.unknowns import Values
+from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, used_readings
+from jawenv.kernels.records import record_zeros
+from jawenv.ladder import Model, model_named
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.recordings import defaults
+from jawenv.recordings.record import Record
+
+_OF_THE_BODY = ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity")
+
+
+def sds_of(
+    jaw: Any, model: Model, knowledge: Knowledge, prior: Any, motor_sds: NDArray[np.float64] | None, lasting: bool
+) -> tuple[Any, list[Values]]:
+    """The geometry about which sds are taken, and one sd of every nuisance that the filter integrates out.
+
+    Sds of mass, inertia and gravity are those of the default mandible with the head upright, as an environment has
+    them.
+
+    Args:
+        jaw: geometry of the patient.
+        model: rung of the ladder.
+        knowledge: the sds.
+        prior: of the parameters.
+        motor_sds: those of a force that no load cell reads, or None.
+        lasting: whether the disturbance has memory.
+    """
+    upright, default = jaw.copy(), defaults.geometry(model.name)
+    for name in _OF_THE_BODY:
+        upright[name] = default[name]
+    return upright, directions(knowledge, model.muscles, upright, prior.mean, motor_sds, lasting=lasting)
+
+
+def settings_of_record(record: Record) -> Any:
+    """A record's noise, prior, nuisances and disturbance, of dtype ``filter_settings_dtype``."""
+    states, muscles = len(record.start_mean), len(record.parameter_names) // 2
+    sds: list[Values] = []
+    force, muscle_set, upright = None, None, record.jaw
+    if record.force_sensor != "cell" and record.device is not None:
+        motor_sds = sds_of_sensor(record.force_sensor, record.device)
+        assert motor_sds is not None, "no load cell reads the force"
+        force = motor_sds, record.device.records()[0]
+    if not record.knowledge.exact or force is not None:
+        model = defaults.matching_models(record.parameter_names, states)[0]
+        parts = record.jaw, model, record.knowledge, record.prior
+        upright, sds = sds_of(*parts, None if force is None else force[0], record.disturbance_time_s > 0.0)
+        muscle_set = model.muscles
+    lines = len(record.jaw["l_o"]) if sds else 1
+    disturbance = N_WRENCH if record.disturbance_time_s > 0.0 else 0
+    settings = record_zeros(1, filter_settings_dtype(muscles, states, lines, len(sds), disturbance))[0]
+    settings["used"] = True
+    noise = Noise(
+        record.dt,
+        record.measurement_sd,
+        record.noise_variance[:N_WRENCH],
+        record.cell_sd,
+        record.gain_sd,
+        record.disturbance_sd,
+        record.disturbance_time_s,
+    )
+    geometry = Geometry(record.jaw, muscle_set, record.prior, record.knowledge, sds, upright, force)
+    fill_settings(settings, geometry, noise, record.start_sd)
+    return settings
+
+
+def settings_of_configuration(configuration: Configuration, jaw: Any) -> Any:
+    """Settings of an environment's filter, of dtype ``filter_settings_dtype``, for the geometry ``jaw``."""
+    model, muscles, device = model_named(configuration.model), configuration.muscles, configuration.build_device()
+    prior, knowledge = configuration.build_cohort().prior, configuration.build_knowledge()
+    sensor = configuration.force_sensor
+    motor_sds = sds_of_sensor(sensor, device)
+    force = None if motor_sds is None else (motor_sds, device_with_sensor(sensor, device)[0])
+    noise, spread = noise_of(device, sensor, TICK), start_sd(jaw, int(jaw["condyles"]))
+    upright, sds = sds_of(jaw, model, knowledge, prior, motor_sds, noise.disturbance_time_s > 0.0)
+    disturbance = N_WRENCH if noise.disturbance_time_s > 0.0 else 0
+    sizes = len(muscles), len(spread), len(muscles.muscle), len(sds), disturbance
+    settings = record_zeros(1, filter_settings_dtype(*sizes))[0]
+    settings["used"] = used_readings(configuration.sensors)
+    fill_settings(settings, Geometry(jaw, muscles, prior, knowledge, sds, upright, force), noise, spread)
+    return settings

@@ -1,0 +1,314 @@
+"""The environments' own filter as an object that a device's loop calls once per tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jawenv.anatomy import Cohort
+from jawenv.anatomy.knowledge import Knowledge
+from jawenv.checks import real_number, whole_number
+from jawenv.device.device import Device
+from jawenv.device.force_sensor import ForceSensor
+from jawenv.envs.configuration import Configuration, Sensors
+from jawenv.envs.world.kept_ticks import keep_reading
+from jawenv.errors import InputError, shown
+from jawenv.files import Source
+from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
+from jawenv.filter.learn import conclude
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.tick import (
+    LAST_WINDOW,
+    FilterScratch,
+    begin_filter,
+    filter_scratch_dtype,
+    filter_tick,
+    tick_dtype,
+)
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_zeros
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
+from jawenv.recordings import defaults
+from jawenv.recordings.filter_settings import settings_of_configuration, settings_of_record
+from jawenv.recordings.record import Record
+
+Array = NDArray[np.float64]
+
+STEEPEST_TILT = 90.0  # degrees
+
+
+@dataclass(frozen=True, eq=False)
+class OnlineBelief:
+    """The belief after a tick about p parameters, whose natural logs are normal."""
+
+    names: tuple[str, ...]  # p names, as ``log_F_o/masseter_left``
+    time_s: float  # of the tick's end, from the first reading
+    log_mean: Array  # (p,) mean of the natural logs
+    log_cov: Array  # (p, p) their covariance
+    misfit: float
+    """The alarm, above 1 where no parameters explain the readings, or the belief moves by more than it claims."""
+    gated: int  # ticks so far whose readings were refused
+    left_out: int  # readings of this tick that were missing, out of range or frozen
+
+    @property
+    def log_sd(self) -> Array:
+        """(p,) sd of the natural logs, so 0.05 is 5 %."""
+        sd: Array = np.sqrt(np.diagonal(self.log_cov))
+        return sd
+
+    @property
+    def mean(self) -> Array:
+        """(p,) mean of F_o in N and of b, which has no unit."""
+        mean: Array = np.exp(self.log_mean + 0.5 * np.diagonal(self.log_cov))
+        return mean
+
+    @property
+    def sd(self) -> Array:
+        """(p,) sd of F_o in N and of b."""
+        sd: Array = self.mean * np.sqrt(np.expm1(np.diagonal(self.log_cov)))
+        return sd
+
+
+class OnlineFilter:
+    """The filter of the environments, fed by a device at 100 Hz.
+
+    The arguments are those of the environments. All memory is allocated and all kernels are compiled or loaded before
+    the constructor returns. Readings are filtered again where the belief has moved far, at the latest after 20,480
+    ticks: such an update filters all readings before it, so a loop must be able to queue some (measured: 0.06 ms for
+    most updates, and 0.007 ms more for each reading filtered again, 0.045 ms with ``knowledge="imaged"``).
+
+    Args:
+        model: Rung of the ladder. ``"sagittal"`` needs the extra ``sagittal``.
+        cohort: Whose prior is the belief before the first reading.
+        device: With its noise of encoders and load cell.
+        sensors: ``"pose"``, or ``"point"`` for place and velocity of the mouthpiece alone.
+        knowledge: What is known of anatomy and mounting within sds.
+        force_sensor: How the device knows its force: the samples are those of the load cell, or the wrench that the
+            motors' or straps' readings make along their believed directions.
+        head_tilt_deg: Pitch of the head, positive looking down.
+        jaw: A geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``, which has the tilt;
+            sds of mass and inertia are relative to the default mandible's.
+        every: Ticks from one belief to the next; 5 as in the environments at 20 Hz.
+
+    Raises:
+        InputError: an argument has a value that is not allowed.
+    """
+
+    names: tuple[str, ...]
+    """Names of the parameters."""
+    tick_s: float
+    """S from one update to the next."""
+
+    def __init__(
+        self,
+        *,
+        model: str = "jaw",
+        cohort: str | Cohort | Source = "trismus",
+        device: Device | Source | None = None,
+        sensors: Sensors = "pose",
+        knowledge: str | Knowledge | Source | None = None,
+        force_sensor: ForceSensor = "cell",
+        head_tilt_deg: float = 0.0,
+        jaw: Any | None = None,
+        every: int = 5,
+    ) -> None:
+        """Check the arguments, allocate and compile."""
+        tilt = real_number(head_tilt_deg)
+        if tilt is None or abs(tilt) > STEEPEST_TILT:
+            raise InputError(
+                f"head_tilt_deg is {shown(head_tilt_deg)}; allowed: -{STEEPEST_TILT:g} to {STEEPEST_TILT:g}"
+            )
+        configuration = Configuration(
+            model=model,
+            cohort=cohort,
+            device=device,
+            sensors=sensors,
+            knowledge=knowledge,
+            force_sensor=force_sensor,
+            episode_s=1.0,
+        )
+        own = defaults.geometry(model, tilt)
+        if jaw is not None:
+            if (len(jaw["l_o"]), jaw["condyles"]) != (len(own["l_o"]), own["condyles"]) or tilt != 0.0:
+                raise InputError(
+                    f"jaw has {len(jaw['l_o'])} lines and {jaw['condyles']} condyles, head_tilt_deg is {tilt:g}; "
+                    f"allowed with model {model!r}: {len(own['l_o'])} lines, {own['condyles']} condyles, tilt 0"
+                )
+            own = jaw
+        self._start: tuple[Array, Array] | None = None
+        names = configuration.muscles.parameter_names
+        self._prepare(own, settings_of_configuration(configuration, own), names, every)
+
+    @classmethod
+    def of_record(cls, record: Record, *, every: int = 5) -> OnlineFilter:
+        """The filter with a record's geometry, knowledge, noise, prior, length of a tick, and motion at the start."""
+        online = cls.__new__(cls)
+        online._start = record.start_mean, record.start_sd
+        online._prepare(record.jaw, settings_of_record(record), record.parameter_names, every)
+        return online
+
+    def _prepare(self, jaw: Any, settings: Any, names: tuple[str, ...], every: int) -> None:
+        """Allocate, and run every kernel once: no update waits for a compilation."""
+        whole = whole_number(every)
+        if whole is None or whole < 1:
+            raise InputError(f"every is {shown(every)}; allowed: a whole number, 1 or more")
+        muscles, lines = len(names) // 2, len(jaw["l_o"])
+        nuisances, disturbance = len(settings["nuisances"]["mass"]), len(settings["disturbance_variance"])
+        states = len(settings["start_sd"]) - disturbance
+        own_lines = lines if nuisances else 1  # one type of settings, whatever they were made for
+        sizes = nuisances, disturbance
+        self._settings: Any = record_zeros(1, filter_settings_dtype(muscles, states, own_lines, *sizes))[0]
+        for name in self._settings.dtype.names:
+            if name != "nuisances" or nuisances:
+                self._settings[name] = settings[name]
+        self._jaw, self._every, self._states = jaw.copy(), whole, states
+        self._belief: Any = record_zeros(1, belief_dtype(muscles, states, lines, *sizes))[0]
+        self._rows: Any = record_zeros(LAST_WINDOW + 1, tick_dtype(states))
+        self._scratch: Any = record_zeros(1, filter_scratch_dtype(muscles, lines, states, *sizes))[0]
+        self._known_sd = self._settings["start_sd"][:states].copy()
+        self._measured, self._samples = np.empty(N_MEASUREMENTS), np.empty((N_SAMPLES, N_WRENCH))
+        self._used = self._settings["used"].astype(bool)
+        self.names, self.tick_s = names, float(self._settings["dt"])
+        self._run_once()
+        self.reset()
+
+    def _run_once(self) -> None:
+        """Run every kernel, so that it is compiled or loaded."""
+        self._measured.fill(np.nan)
+        self._samples.fill(np.nan)
+        self._begin(
+            defaults.motion_of_reading(self._jaw, np.zeros(N_MEASUREMENTS), np.ones(N_MEASUREMENTS)), self._known_sd
+        )
+        self._tick = 0
+        self._take()
+
+    def reset(self, start_mean: ArrayLike | None = None, start_sd: ArrayLike | None = None) -> None:
+        """Forget all readings; the next update is the first.
+
+        Args:
+            start_mean: (n,) motion (q, u) of the jaw before the first reading. None for that of the record that the
+                filter was made from, or else for what explains the first reading best, with an sd so wide that the
+                reading decides.
+            start_sd: (n,) its sd. None for the record's, or else for that of the environments: 1 mm, 1 degree, 1 mm/s
+                and 0.01 rad/s.
+
+        Raises:
+            InputError: an array has the wrong shape or holds what it must not, or there is an sd without a mean.
+        """
+        if start_mean is None and start_sd is not None:
+            raise InputError("start_sd is given without start_mean; allowed: both, start_mean alone, or neither")
+        begun = None
+        if start_mean is not None:
+            size = (self._states,)
+            mean = _numbers("start_mean", start_mean, size)
+            sd = self._known_sd if start_sd is None else _numbers("start_sd", start_sd, size)
+            if not (np.isfinite(mean).all() and np.isfinite(sd).all() and (sd >= 0.0).all()):
+                raise InputError("start_mean or start_sd holds what is not allowed: finite numbers, sds of 0 or more")
+            begun = mean, sd
+        elif self._start is not None:
+            begun = self._start
+        self._tick = -1
+        self._waiting = begun is None
+        if begun is not None:
+            self._begin(*begun)
+
+    def update(self, measured: ArrayLike, samples: ArrayLike | None = None) -> OnlineBelief:
+        """Take the readings of one tick. The first update is the start, at which the encoders alone are read.
+
+        Args:
+            measured: (12,) encoders at the tick's end: mouthpiece position (m, head axes), Euler angles theta, psi,
+                alpha (rad), mouthpiece velocity (m/s), angular velocity (rad/s, body axes); NaN where not read.
+            samples: (3, 6) load cell at start, middle and end of the tick: force (N) and moment (N m) of the device on
+                the mouthpiece, body axes; NaN where not read. The first update ignores them.
+
+        Returns:
+            What is believed now, in arrays of its own.
+
+        Raises:
+            InputError: an array has the wrong shape, or nothing is known of where the jaw starts. The filter is as
+                it was.
+        """
+        reading = _numbers("measured", measured, (N_MEASUREMENTS,))
+        if self._tick < 0:
+            if self._waiting:
+                self._begin_at(reading)
+            self._samples.fill(np.nan)
+        elif samples is None:
+            raise InputError("samples is None; allowed after the first update: shape (3, 6), NaN where not read")
+        else:
+            self._samples[:] = _numbers("samples", samples, (N_SAMPLES, N_WRENCH))
+        self._measured[:] = reading
+        self._tick += 1
+        return self._present_belief(self._take())
+
+    def _begin_at(self, measured: Array) -> None:
+        """Begin with the motion that explains the first reading best."""
+        read = np.where(self._used & np.isfinite(measured), measured, np.nan)
+        if np.isnan(read).all():
+            raise InputError("measured holds no reading at the first update; allowed: one number or more")
+        sd = np.sqrt(self._settings["measurement_variance"])
+        self._begin(defaults.motion_of_reading(self._jaw, read, sd), defaults.start_sd(self._jaw))
+        self._waiting = False
+
+    def _begin(self, mean: Array, sd: Array) -> None:
+        """Begin with the prior of the parameters, and mean and sd (n) of the motion."""
+        self._settings["start_sd"][: self._states] = sd
+        self._rows["believed"][0] = mean
+        begin_filter(self._jaw, self._belief, self._rows["believed"][0], self._settings)
+
+    def _take(self) -> int:
+        """Filter the readings in ``_measured`` and ``_samples``; returns how many were left out."""
+        return int(
+            take_tick(
+                self._jaw,
+                self._belief,
+                self._rows,
+                (self._tick, self._every),
+                self._measured,
+                self._samples,
+                self._settings,
+                self._scratch,
+            )
+        )
+
+    def _present_belief(self, left_out: int) -> OnlineBelief:
+        """A copy of the present belief."""
+        belief = self._belief
+        return OnlineBelief(
+            self.names,
+            self._tick * self.tick_s,
+            belief["mean"].copy(),
+            belief["cov"].copy(),
+            float(belief["misfit"]),
+            int(belief["gated"]),
+            left_out,
+        )
+
+
+def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """``value`` as an array of real numbers of that shape."""
+    try:
+        array: Array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {shown(value)}; allowed: numbers of shape {shape}, NaN where not read") from None
+    if array.shape != shape:
+        raise InputError(f"{name} has shape {array.shape}; allowed: {shape}")
+    return array
+
+
+@njit
+def take_tick(
+    jaw: Jaw, belief: Belief, rows, clock, measured, samples, settings: FilterSettings, scratch: FilterScratch
+):
+    """One tick as in an environment; ``clock`` is its number and the ticks from one belief to the next."""
+    tick, every = clock
+    keep_reading(tick, measured, samples, settings.used, rows)
+    left_out = filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch)
+    if tick > 0 and tick % every == 0:
+        conclude(belief, settings, scratch.belief)
+    return left_out

@@ -1,0 +1,67 @@
+"""Time series of a recording's table: columns of a file as arrays of a record, and the other way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.errors import InputError
+from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.recordings.checks import has_any
+from jawenv.recordings.columns import ENCODERS, READINGS, SAMPLES, Column
+from jawenv.recordings.record import Record
+from jawenv.recordings.table import RecordTable
+
+Array = NDArray[np.float64]
+
+
+def written(record: Record, column: Column) -> Array:
+    """A column of T + 1 numbers; what belongs to a tick stands in the row in which the tick begins."""
+    values = getattr(record, column.field)[(slice(None), *column.index)] * column.scale
+    short = len(record.time) - len(values)
+    return np.concatenate([values, np.full(short, np.nan)])
+
+
+def _column(table: RecordTable, column: Column) -> Array:
+    values = table.columns.get(column.name)
+    return np.full(len(table.lines), np.nan) if values is None else values / column.scale
+
+
+def encoders(table: RecordTable) -> Array:
+    """(T + 1, 12) readings, of which the first row has at least one."""
+    measured = np.column_stack([_column(table, column) for column in ENCODERS])
+    if not np.isfinite(measured[0]).any():
+        allowed = ", ".join(column.name for column in ENCODERS)
+        raise InputError(
+            f"{table.path}: no encoder was read in row {table.lines[0]}; allowed: one or more of {allowed}"
+        )
+    return measured
+
+
+def stacked(table: RecordTable, columns: list[Column]) -> Array | None:
+    """(T + 1, n) of these columns; None without them in the file."""
+    if columns[0].name not in table.columns:
+        return None
+    return np.column_stack([_column(table, column) for column in columns])
+
+
+def wrenches(table: RecordTable, columns: tuple[Column, ...]) -> Array:
+    """(T, 3, 6) of three wrenches per tick, NaN where none was read; the last row begins no tick."""
+    wrenches: Array = np.empty((len(table.lines) - 1, N_SAMPLES, N_WRENCH))
+    for column in columns:
+        moment, component = column.index
+        wrenches[:, moment, component] = _column(table, column)[:-1]
+    return wrenches
+
+
+def samples(table: RecordTable, slack: bool) -> Array:
+    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated."""
+    form = SAMPLES if has_any(table, SAMPLES) else READINGS
+    for column in form:
+        if not (slack or np.isfinite(_column(table, column)).any()):
+            raise table.fail(column.name, 0, "empty", "a reading of the load cell in one row or more")
+    if form is SAMPLES:
+        return wrenches(table, SAMPLES)
+    readings = np.column_stack([_column(table, column) for column in READINGS])
+    return np.stack([readings[:-1], 0.5 * (readings[:-1] + readings[1:]), readings[1:]], axis=1)
