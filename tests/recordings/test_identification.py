@@ -125,7 +125,7 @@ def test_the_command_ends_with_3_and_what_to_look_at(tmp_path, capsys):
     assert "NOT TO BE BELIEVED" in out and "force x velocity" in out and "no verdict" in out and "Look at signs" in out
     assert main(["identify", path, "--check"]) == 3
     out = capsys.readouterr().out
-    assert out.count("\n") == 6 and out.count("NOT") == 1
+    assert out.count("\n") == 7 and out.count("NOT") == 1
 
 
 def test_an_impossible_rate_is_one_line(tmp_path, capsys):
