@@ -1,4 +1,27 @@
-"""The filter's work in one tick of the sensors, in an episode as in a record."""
+"""The filter's work in one tick of the sensors, in an episode as in a record.
+
+``take`` does these in this order; each reads what those before it wrote. The last column names the row of
+``research.ablation`` that keeps it.
+
+| # | step | reads | writes | row |
+|--:|---|---|---|---|
+| 1 | ``mark_frozen``, ``repair_samples`` | load cell | ``samples``, ``frozen``, ``wrench_variance`` | - |
+| 2 | ``add_tooth_noise`` | motion | ``wrench_variance`` | teeth whose force is certain |
+| 3 | ``add_lasting_noise`` | motion, its rates | ``wrench_variance`` | nothing wrong at a pose |
+| 4 | ``predict_motion`` | 1 to 3 | motion, covariance, derivative by tensions | muscle lines at constant rates |
+| 5 | ``follow_trend`` | 1 | ``trend``, ``smoothed`` | the gain's column as the cell reads |
+| 6 | ``correct_readings``, ``mark_usable`` | encoders, nuisances | ``scratch.measured``, ``used`` | - |
+| 7 | ``bite_of``, ``bite_read`` | 4, 6 | ``bite``: how near the teeth are | learning while teeth press |
+| 8 | ``weight_of_stay`` | 4 | ``weight``, visits of poses | every reading counts whole |
+| 9 | ``is_resolved`` | 1, 7 | whether anything is learnt | learning from ticks that are not resolved |
+| 10 | ``forget_motion`` | 7 | motion as encoders alone have it | learning while teeth press |
+| 11 | ``update_motion`` | 4 to 9 | motion, information, score, verdict of the gate | no gate |
+| 12 | ``add_to_block`` | innovations of 11 | the alarm's sums | - |
+| 13 | ``follow_friction`` | motion | shares of motors' friction | - |
+
+``filter_tick`` then learns, and filters all readings again, where a window ends or a reading surprises ("early readings
+not filtered again", "surprises do not renew the belief").
+"""
 
 from __future__ import annotations
 
