@@ -75,9 +75,8 @@ def patient_command(
         subject = page.Subject.simulated(loaded, person, plan, float(course[-1].time[-1]))
         text = page.render(subject, course, metadata, show_truth)
         written = page.write(text, output / f"patient-{person.name}.html")
-        verdict_words = {
-            name: verdict.word for name, verdict in zip(MUSCLE_NAMES, page.verdicts_of(course), strict=True)
-        }
+        now = page.verdicts_of(course, prior)
+        verdict_words = {name: verdict.word for name, verdict in zip(MUSCLE_NAMES, now, strict=True)}
         console.print(f"{written}: {page.headline(verdict_words)}", soft_wrap=True)
     console.print(f"verdicts: {output / 'verdicts.parquet'}", soft_wrap=True)
 

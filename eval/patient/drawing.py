@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eval.figures import words
 from jawenv.anatomy import MuscleSet
-from jawenv.metrics.verdicts import BOTH, NO_VERDICT, UNKNOWN
+from jawenv.metrics.verdicts import BOTH, NO_VERDICT, OPEN
 from jawenv.rendering import outlines
 from jawenv.rendering.mesh import Mesh
 
@@ -134,4 +134,4 @@ def _name(shown: _Side, kind: str, line: tuple[Array, Array], word: str) -> str:
 
 def class_of(word: str) -> str:
     """CSS class of a verdict."""
-    return {UNKNOWN: "unknown", NO_VERDICT: "unknown", BOTH: "both"}.get(word, word)
+    return "unknown" if word in (NO_VERDICT, *OPEN) else {BOTH: "both"}.get(word, word)

@@ -23,7 +23,18 @@ from jawenv.anatomy import MUSCLE_NAMES, Prior, muscle_set
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
-from jawenv.metrics.verdicts import BOTH, NO_VERDICT, UNKNOWN, WITHHELD, WORDS, Verdict, truly, verdicts
+from jawenv.metrics.verdicts import (
+    BOTH,
+    FINDINGS,
+    NO_VERDICT,
+    NOT_MEASURED,
+    OPEN,
+    WITHHELD,
+    WORDS,
+    Verdict,
+    truly,
+    verdicts,
+)
 
 FORCE = Axis(0.05, 20.0, (0.1, 1.0, 10.0), FIBROSED_F_O_N)
 STIFFENING = Axis(2.0, 50.0, (2.0, 5.0, 10.0, 20.0, 50.0), BLOCKED_B)
@@ -104,10 +115,10 @@ def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, An
         metadata: command, versions, time.
         show_truth: whether the true values of the simulated patient are shown.
     """
-    now = verdicts_of(course)
+    now = verdicts_of(course, subject.prior)
     verdict_words = {name: verdict.word for name, verdict in zip(MUSCLE_NAMES, now, strict=True)}
     changed = change_of(course, subject.prior)
-    cards = {name: _card(course, changed, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
+    cards = {name: _card(course, subject.prior, changed, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
     return template.render(
         "patient.html.j2",
         SHEET,
@@ -122,7 +133,7 @@ def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, An
         legend=[
             (word, drawing.class_of(word))
             for word in (*WORDS, NO_VERDICT)
-            if word not in (BOTH, NO_VERDICT) or word in verdict_words.values()
+            if word not in (BOTH, NOT_MEASURED, NO_VERDICT) or word in verdict_words.values()
         ],
         fibrosed=f"{FIBROSED_F_O_N:g}",
         blocked=f"{BLOCKED_B:g}",
@@ -134,15 +145,16 @@ def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, An
     )
 
 
-def verdicts_of(course: Sequence[Treatment]) -> list[Verdict]:
+def verdicts_of(course: Sequence[Treatment], prior: Prior) -> list[Verdict]:
     """The verdict on every muscle after the last treatment; none where the readings of any do not fit the model.
 
     Args:
         course: treatments, each begun with the belief after the one before.
+        prior: of the muscles, before the first.
     """
     if any(treatment.rings for treatment in course):
         return [WITHHELD] * len(MUSCLE_NAMES)
-    return verdicts(course[-1].mean[-1], course[-1].cov[-1])
+    return verdicts(course[-1].mean[-1], course[-1].cov[-1], prior.sd)
 
 
 def headline(verdict_words: dict[str, str]) -> str:
@@ -156,9 +168,9 @@ def headline(verdict_words: dict[str, str]) -> str:
     groups = {
         word: [words.label(name) for name, found_word in verdict_words.items() if found_word == word] for word in WORDS
     }
-    if len(groups[UNKNOWN]) == len(verdict_words):
+    if sum(len(groups[word]) for word in OPEN) == len(verdict_words):
         return "Nothing can be said about any of the six closing muscles yet."
-    order = [word for word in (*WORDS[1:-1], WORDS[0], UNKNOWN) if groups[word]]
+    order = [word for word in (*FINDINGS, *OPEN) if groups[word]]
     parts = []
     for word in order:
         names = groups[word]
@@ -181,7 +193,9 @@ def _who(entry: Entry, person: Person) -> str:
     return f"Simulated patient {person.name} of the cohort “{words.label(str(entry.env_kwargs['cohort']))}”"
 
 
-def _card(course: Sequence[Treatment], changed: Change | None, muscle: int, now: Verdict, show_truth: bool) -> Card:
+def _card(
+    course: Sequence[Treatment], prior: Prior, changed: Change | None, muscle: int, now: Verdict, show_truth: bool
+) -> Card:
     name = MUSCLE_NAMES[muscle]
     kind, side = name.rsplit("_", 1)
     title = f"{words.label(kind).capitalize()}, {side}"
@@ -192,7 +206,7 @@ def _card(course: Sequence[Treatment], changed: Change | None, muscle: int, now:
         verdict=now,
         badge=drawing.class_of(now.word),
         chance=_chance(now.probability) if now.word != NO_VERDICT else "",
-        since=_since(course, muscle, now.word),
+        since=_since(course, prior, muscle, now.word),
         force=_quantity(course, changed, 2 * muscle, FORCE, f"Pull of the {title} over time", "N", show_truth),
         stiffening=_quantity(
             course, changed, 2 * muscle + 1, STIFFENING, f"Stiffening of the {title} over time", "", show_truth
@@ -232,16 +246,16 @@ def _chance(probability: float) -> str:
     return "above 99.9 %" if probability > 0.999 else f"{100.0 * probability:.{1 if probability > 0.99 else 0}f} %"
 
 
-def _since(course: Sequence[Treatment], muscle: int, word: str) -> str:
-    """From which moment on the verdict has been the last one, in words."""
-    if word in (UNKNOWN, NO_VERDICT):
+def _since(course: Sequence[Treatment], prior: Prior, muscle: int, word: str) -> str:
+    """From which moment on the data have given the verdict, in words."""
+    if word in (NO_VERDICT, *OPEN):
         return ""
     pair = slice(2 * muscle, 2 * muscle + 2)
     steps = [(number, step) for number, treatment in enumerate(course) for step in range(len(treatment.time))]
     since = steps[-1]
     for number, step in reversed(steps):
         treatment = course[number]
-        if verdicts(treatment.mean[step, pair], treatment.cov[step, pair, pair])[0].word != word:
+        if verdicts(treatment.mean[step, pair], treatment.cov[step, pair, pair], prior.sd[pair])[0].word != word:
             break
         since = number, step
     if since == steps[0]:
@@ -273,7 +287,7 @@ def verdict_rows(person: Person, course: Sequence[Treatment], prior: Prior) -> l
         estimate, truth = np.exp(treatment.mean[-1]), np.exp(treatment.truth)
         low, high = np.exp(treatment.mean[-1] - SD_95 * sd), np.exp(treatment.mean[-1] + SD_95 * sd)
         changed = change_of(course[:number], prior) or Change(*np.full((2, len(truth)), np.nan))
-        for i, verdict in enumerate(verdicts_of(course[:number])):
+        for i, verdict in enumerate(verdicts_of(course[:number], prior)):
             row: dict[str, object] = {"patient": person.name, "seed": person.seed, "treatment": number}
             row |= {"muscle": MUSCLE_NAMES[i], "verdict": verdict.word, "probability": verdict.probability}
             row |= {

@@ -12,7 +12,7 @@ import numpy as np
 from jawenv.anatomy import MUSCLE_NAMES
 from jawenv.errors import InputError, MissingPackageError
 from jawenv.files import check_kept
-from jawenv.metrics.verdicts import NO_VERDICT, UNKNOWN, WITHHELD, Verdict, verdicts
+from jawenv.metrics.verdicts import NO_VERDICT, OPEN, WITHHELD, Verdict, verdicts
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.plausibility import findings
@@ -52,7 +52,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None) -> int:
     print(f"alarm:   {'silent' if result.misfit <= 1.0 else 'RINGS'}, misfit {result.misfit:.3g} (it rings above 1)\n")
     _print_estimates(record, result)
     if record.parameter_names[::2] == tuple(f"log_F_o/{name}" for name in MUSCLE_NAMES):
-        _print_muscles(result)
+        _print_muscles(record, result)
     if write_page is not None:
         print(f"\npage: {write_page(record, result, path, page)}")
     if not result.believable:
@@ -87,10 +87,10 @@ def _print_estimates(record: Record, result: Identification) -> None:
                 print(f"{name.removeprefix('log_'):32}{np.exp(mean[i]):10.2f}{100.0 * sd[i]:7.1f} %{truth}")
 
 
-def _print_muscles(result: Identification) -> None:
+def _print_muscles(record: Record, result: Identification) -> None:
     """The verdict on every muscle, left beside right, with the ratio of their pulls."""
     mean, cov = result.estimate.mean[-1], result.estimate.cov[-1]
-    judgements = verdicts(mean, cov) if result.believable else [WITHHELD] * len(MUSCLE_NAMES)
+    judgements = verdicts(mean, cov, record.prior.sd) if result.believable else [WITHHELD] * len(MUSCLE_NAMES)
     print(f"\n{'':18}{'left':33}{'right':33}F_o left : right, 95 %")
     for kind in dict.fromkeys(name.rsplit("_", 1)[0] for name in MUSCLE_NAMES):
         left, right = (MUSCLE_NAMES.index(f"{kind}_{side}") for side in ("left", "right"))
@@ -103,7 +103,7 @@ def _print_muscles(result: Identification) -> None:
 
 
 def _in_words(verdict: Verdict) -> str:
-    if verdict.word in (NO_VERDICT, UNKNOWN):
+    if verdict.word in (NO_VERDICT, *OPEN):
         return verdict.word
     return f"{verdict.word}, {'above 99.9' if verdict.probability > 0.999 else f'{100.0 * verdict.probability:.3g}'} %"
 

@@ -15,9 +15,15 @@ from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
 Array = NDArray[np.float64]
 
 NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN = "normal", "stiff", "blocked", "stiff and blocked", "not known yet"
+NOT_MEASURED = "not measured"
+"""Where the prior speaks: error bars are above ``MEASURED`` of it."""
 NO_VERDICT = "no verdict"
 """Where the readings do not fit the model."""
-WORDS = (NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN)
+FINDINGS = (STIFF, BLOCKED, BOTH, NORMAL)
+OPEN = (UNKNOWN, NOT_MEASURED)
+WORDS = (NORMAL, STIFF, BLOCKED, BOTH, *OPEN)
+MEASURED = 0.5
+"""Share of the prior's error bar up to which the data speak."""
 
 
 @dataclass(frozen=True)
@@ -43,17 +49,19 @@ WITHHELD = Verdict(NO_VERDICT, math.nan, "", math.nan, math.nan)
 """The verdict on a muscle of which nothing is said; its probabilities are NaN."""
 
 
-def verdict(mean: Array, cov: Array) -> Verdict:
+def verdict(mean: Array, cov: Array, prior_sd: Array | None = None) -> Verdict:
     """The verdict on one whole muscle.
 
     It is stiff when the posterior probability of a raised F_o reaches ``CONFIDENCE``, blocked when that of a raised b
     does, normal when that of neither does. The two are correlated, so that probabilities are those of the joint normal
-    distribution.
+    distribution. A parameter whose error bar is above ``MEASURED`` of the prior's decides nothing.
 
     Args:
         mean: (2,) of log F_o and log b.
         cov: (2, 2).
+        prior_sd: (2,) of the prior; None lets the prior speak.
     """
+    measured = [True, True] if prior_sd is None else (np.sqrt(np.diagonal(cov)) <= MEASURED * prior_sd).tolist()
     above = (mean - np.log([FIBROSED_F_O_N, BLOCKED_B])) / np.sqrt(np.diagonal(cov))
     stiff, blocked = (float(share) for share in ndtr(above))
     correlation = cov[0, 1] / np.sqrt(cov[0, 0] * cov[1, 1])
@@ -61,28 +69,30 @@ def verdict(mean: Array, cov: Array) -> Verdict:
     neither = max(1.0 - stiff - blocked + both, 0.0)
     shares = {NORMAL: neither, STIFF: stiff - both, BLOCKED: blocked - both, BOTH: both}
     likeliest = max(shares, key=lambda word: shares[word])
-    if stiff >= CONFIDENCE and blocked >= CONFIDENCE:
+    is_stiff, is_blocked = stiff >= CONFIDENCE and measured[0], blocked >= CONFIDENCE and measured[1]
+    if is_stiff and is_blocked:
         word, probability = BOTH, both
-    elif stiff >= CONFIDENCE:
+    elif is_stiff:
         word, probability = STIFF, stiff
-    elif blocked >= CONFIDENCE:
+    elif is_blocked:
         word, probability = BLOCKED, blocked
-    elif neither >= CONFIDENCE:
+    elif neither >= CONFIDENCE and all(measured):
         word, probability = NORMAL, neither
     else:
-        word, probability = UNKNOWN, shares[likeliest]
+        word, probability = UNKNOWN if all(measured) else NOT_MEASURED, shares[likeliest]
     return Verdict(word, probability, likeliest, stiff, blocked)
 
 
-def verdicts(mean: Array, cov: Array) -> list[Verdict]:
+def verdicts(mean: Array, cov: Array, prior_sd: Array | None = None) -> list[Verdict]:
     """The verdict on every muscle.
 
     Args:
         mean: (2 M,) log F_o and log b of each.
         cov: (2 M, 2 M).
+        prior_sd: (2 M,) as of ``verdict``.
     """
     pairs = (slice(2 * i, 2 * i + 2) for i in range(len(mean) // 2))
-    return [verdict(mean[pair], cov[pair, pair]) for pair in pairs]
+    return [verdict(mean[pair], cov[pair, pair], None if prior_sd is None else prior_sd[pair]) for pair in pairs]
 
 
 def truly(log_parameters: Array) -> str:

@@ -27,8 +27,8 @@ OPENING = 2e-3
 LEAST_WORK_SHARE = -0.2
 """Work of the device on an opening jaw over its magnitude: a passive jaw gives back what it has stored, and no more."""
 SMOOTHING_S, FEWEST_ROWS = 0.1, 20
-SHORTEST_S = 1.0
-"""Of a recording that can be judged."""
+SHORTEST_S, LEAST_MM = 1.0, 1.5
+"""Of a recording that can be judged: its length, and how far the mouthpiece moves."""
 MOVES_MM, TURNS = 5.0, 0.2
 """A mouthpiece that moves so far up and down turns by at least this share of a hinge's angle; radians are a 57th."""
 MOST = 99.0
@@ -43,6 +43,7 @@ class Finding:
     value: str  # what they hold, with unit
     allowed: str  # what a jaw on a device can show, and what to look at
     plausible: bool  # whether it does
+    spoils: bool = True  # whether another value is no jaw's; else it is one that tells nothing
 
 
 def findings(record: Record) -> list[Finding]:
@@ -51,13 +52,23 @@ def findings(record: Record) -> list[Finding]:
     rate = Finding(
         "time_s", f"{hz:.4g} Hz", "20 to 1000 Hz: seconds, no frame numbers", SLOWEST <= hz * 1.001 <= FASTEST
     )
-    return [rate, _length(record), *_place(record), *_pitch(record), *_wrench(record), *_work(record)]
+    return [rate, _length(record), *_motion(record), *_place(record), *_pitch(record), *_wrench(record), *_work(record)]
 
 
 def _length(record: Record) -> Finding:
     seconds, rows = float(record.time[-1] - record.time[0]), len(record.time)
     allowed = f"{SHORTEST_S:g} s or more: less is too short to judge"
-    return Finding("length", f"{seconds:.3g} s, {rows:,} rows", allowed, seconds >= SHORTEST_S - 0.5 * record.dt)
+    long = seconds >= SHORTEST_S - 0.5 * record.dt
+    return Finding("length", f"{seconds:.3g} s, {rows:,} rows", allowed, long, spoils=False)
+
+
+def _motion(record: Record) -> list[Finding]:
+    place = 1e3 * record.measured[:, :3]
+    if not np.isfinite(place).all(axis=1).any():
+        return []
+    moved = float(np.ptp(np.nanpercentile(place, (100.0 - MOST, MOST), axis=0), axis=0).max())
+    allowed = f"{LEAST_MM:g} mm or more: a jaw that is not moved tells nothing"
+    return [Finding("motion", f"{moved:.3g} mm of the mouthpiece", allowed, moved >= LEAST_MM, spoils=False)]
 
 
 def _place(record: Record) -> list[Finding]:

@@ -183,7 +183,7 @@ def _judged(tracks: Tracks, hz: float | None) -> RecordTable:
     table = RecordTable(tracks.path, columns, np.arange(1, len(tracks.time) + 1), {})
     if hz is not None:
         table = resampled(table, hz)
-    bad = [finding for finding in findings(load_record(table)) if not finding.plausible]
+    bad = [finding for finding in findings(load_record(table)) if not finding.plausible and finding.spoils]
     if bad:
         raise InputError(f"{tracks.path}: {bad[0].columns}: {bad[0].value}; allowed: {bad[0].allowed}")
     return table

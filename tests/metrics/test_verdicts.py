@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N
-from jawenv.metrics.verdicts import BLOCKED, BOTH, NORMAL, STIFF, UNKNOWN, truly, verdict
+from jawenv.metrics.verdicts import BLOCKED, BOTH, NORMAL, NOT_MEASURED, STIFF, UNKNOWN, truly, verdict
 
 
 def said(F_o, b, sd=0.05, correlation=0.0):
@@ -28,6 +28,22 @@ def test_a_wide_belief_decides_nothing_and_says_what_is_likeliest():
     found = said(2.0, 7.0, sd=0.6)
     assert (found.word, found.likeliest) == (UNKNOWN, STIFF)
     assert 0.3 < found.probability < 0.95
+
+
+def test_a_verdict_is_the_datas_or_none():
+    """A prior of stiff patients says nothing; a parameter that the data tell says its part."""
+    mean, prior = np.log([4.0, 9.0]), np.array([0.35, 0.25])
+    assert verdict(mean, np.diag(prior**2)).word == STIFF
+    for shares, word in (
+        ((1.0, 1.0), NOT_MEASURED),
+        ((0.6, 0.1), NOT_MEASURED),
+        ((0.4, 1.0), STIFF),
+        ((0.1, 0.1), STIFF),
+    ):
+        assert verdict(mean, np.diag((np.array(shares) * prior) ** 2), prior).word == word
+    soft = np.log([0.7, 7.0])
+    assert verdict(soft, np.diag((np.array([0.1, 0.6]) * prior) ** 2), prior).word == NOT_MEASURED
+    assert verdict(soft, np.diag((np.array([0.1, 0.1]) * prior) ** 2), prior).word == NORMAL
 
 
 def test_what_is_not_known_of_a_stiff_muscle_is_said():

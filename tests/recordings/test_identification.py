@@ -10,6 +10,7 @@ import jawenv
 from agents import load_agent
 from jawenv.commands.app import main
 from jawenv.errors import InputError
+from jawenv.metrics.verdicts import NOT_MEASURED, verdicts
 from jawenv.recordings.files import load_record, save_record
 from jawenv.recordings.identification import identified
 from jawenv.recordings.online import OnlineFilter
@@ -37,7 +38,7 @@ def test_a_sound_recording_is_believed():
     assert found.numbers == 1001 * 12 + 1000 * 6
     np.testing.assert_array_equal(found.estimate.mean, estimate.mean)
     np.testing.assert_array_equal(found.estimate.cov, estimate.cov)
-    assert len(findings(record())) == 7
+    assert len(findings(record())) == 8
 
 
 @pytest.mark.parametrize("name", [name for name, _ in spoilt(record(), 1.0) if "gain" not in name])
@@ -85,7 +86,7 @@ def test_only_what_was_read_is_judged(column):
     measured = record().measured.copy()
     measured[:, {"pitch": slice(3, 6), "place": slice(0, 3), "velocity": slice(6, 9)}[column]] = np.nan
     found = findings(replace(record(), measured=measured))
-    assert all(each.plausible for each in found) and len(found) == (7 if column == "velocity" else 6)
+    assert all(each.plausible for each in found) and len(found) == {"pitch": 7, "place": 6, "velocity": 8}[column]
 
 
 def test_radians_and_too_few_rows_are_told():
@@ -100,8 +101,22 @@ def test_radians_and_too_few_rows_are_told():
         states=None,
         wrenches=None,
     )
-    (short,) = [finding for finding in findings(few) if not finding.plausible]
+    short, still = [finding for finding in findings(few) if not finding.plausible]
     assert short.value == "0.02 s, 3 rows" and "too short to judge" in short.allowed
+    assert still.columns == "motion" and "tells nothing" in still.allowed
+
+
+def test_a_jaw_that_was_not_moved_gets_no_verdict(tmp_path, capsys):
+    """Its prior is that of stiff patients: the words are the data's or none."""
+    (held,) = jawenv.play(
+        load_agent("hold_still"), patients=1, seed=5000, env_kwargs={"record": True, "episode_s": 4.0}
+    ).records
+    assert main(["identify", saved(tmp_path, held)]) == 3
+    out = capsys.readouterr().out
+    assert "motion: " in out and "tells nothing" in out and out.count("no verdict") == 6
+    found = identified(held)
+    mean, cov = found.estimate.mean[-1], found.estimate.cov[-1]
+    assert {verdict.word for verdict in verdicts(mean, cov, held.prior.sd)} == {NOT_MEASURED}
 
 
 def saved(tmp_path, record, truth=False):
@@ -125,7 +140,7 @@ def test_the_command_ends_with_3_and_what_to_look_at(tmp_path, capsys):
     assert "NOT TO BE BELIEVED" in out and "force x velocity" in out and "no verdict" in out and "Look at signs" in out
     assert main(["identify", path, "--check"]) == 3
     out = capsys.readouterr().out
-    assert out.count("\n") == 7 and out.count("NOT") == 1
+    assert out.count("\n") == 8 and out.count("NOT") == 1
 
 
 def test_an_impossible_rate_is_one_line(tmp_path, capsys):
