@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from eval.figures.catalogue import ADMITTED_S, PER_S
 from jawenv.errors import InputError
 
-PER_S = 30.0
-"""Discomfort is judged per so many seconds, the usual length of an episode."""
 FALSE_NEES = 4.0
 """Mean NEES per parameter above which sds are false: errors are more than twice what the filter states."""
 LARGEST_RINGING = 0.05
@@ -19,7 +18,7 @@ LARGEST_RINGING = 0.05
 class AdmissionLimits:
     """Largest cost to the patient of a ranked entry."""
 
-    discomfort_s: float = 0.1  # largest mean discomfort, s per 30 s, >= 0
+    discomfort_s: float = ADMITTED_S  # largest mean discomfort, s per 30 s, >= 0
     violation: float = 0.01  # largest share of episodes that cross a hard limit, 0 to 1
 
     def __post_init__(self) -> None:

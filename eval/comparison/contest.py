@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from eval.comparison.admission import PER_S, AdmissionLimits
+from eval.comparison.admission import AdmissionLimits
 from eval.comparison.cost import Cost, cost
 from eval.comparison.results import Results
 from eval.comparison.trainings import groups, replays_of
 from eval.figures import statistics, words
+from eval.figures.catalogue import FIGURES, above_limit, per_30_s
 from eval.figures.statistics import UNKNOWN, Array, Interval
 from eval.figures.tables import Table, made_by
 from eval.kept.entries import Settings
@@ -69,7 +70,7 @@ def contestants(study: Results, admission: AdmissionLimits | None = None) -> tup
     entries = {entry["label"]: entry for entry in study.about["entries"]}
     own = [label for label, entry in entries.items() if not entry.get("replay_of")]
     fixed = [label for label in own if not (entries[label].get("trained") or entries[label].get("planned"))]
-    fixed = [label for label in fixed if _per_30_s(study, label).mean() <= allowed.discomfort_s]
+    fixed = [label for label in fixed if per_30_s(study.of(label)).mean() <= allowed.discomfort_s]
     ends = [label for label in own if entries[label].get("clairvoyant")]
     if not fixed or not ends:
         raise InputError("comparison: lacks a maneuver within comfort, or a clairvoyant planner; allowed: with both")
@@ -111,15 +112,14 @@ def _row(
     replays = [replays_of(study, label) for label in group]
     kinds = [list(kind) for kind in zip(*replays, strict=False)]
     against = [_over(less("worst_sd", kind)) for kind in kinds] or [UNKNOWN, UNKNOWN]
-    discomfort = np.array([study.of(label)["discomfort_s"].to_numpy() for label in group])
-    above = 100.0 * np.array([_per_30_s(study, label) > admission.discomfort_s for label in group])
-    nees = np.array([study.of(label)["nees"].to_numpy() for label in group]) / len(study.parameters)
+    own = FIGURES["discomfort_s"], above_limit(admission.discomfort_s), FIGURES["nees_per_parameter"]
+    of_each = [figure.scale * np.array([figure.of(study.of(label)) for label in group]) for figure in own]
     about = next(entry for entry in study.about["entries"] if entry["label"] == group[0])
     closed = words.scaled(statistics.ratio_over_both(worst, whole), 100.0)
     return Contestant(
         name,
         len(group),
-        (_over(worst), closed, _over(error), *against, _over(discomfort), _over(above), _over(nees)),
+        (_over(worst), closed, _over(error), *against, *map(_over, of_each)),
         about,
     )
 
@@ -139,9 +139,3 @@ def _over(values: Array) -> Interval:
 def _log(study: Results, label: str, column: str) -> Array:
     values: Array = np.log(study.of(label)[column].to_numpy(dtype=np.float64))
     return values
-
-
-def _per_30_s(study: Results, label: str) -> Array:
-    rows = study.of(label)
-    per_s: Array = (rows["discomfort_s"] / rows["duration_s"]).to_numpy(dtype=np.float64)
-    return PER_S * per_s

@@ -9,7 +9,7 @@ with all values of the other (the pigeonhole bootstrap; Owen 2007, Annals of App
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple
@@ -18,6 +18,7 @@ import numpy as np
 
 from eval.comparison.results import Results
 from eval.figures import statistics
+from eval.figures.catalogue import FIGURES
 from eval.figures.statistics import Array, Interval
 from eval.rows.outcomes import EARLY_S
 
@@ -25,34 +26,26 @@ _SEED = re.compile(r"(?P<stem>.+)-seed\d+")
 _KINDS = ("replay", "yoked replay")  # of `eval.episodes.replays.add_replays`, in its order
 
 
-def _log(values: Array) -> Array:
-    return np.log(values)
+class Difference(NamedTuple):
+    """How a figure is compared patient by patient."""
 
-
-def _same(values: Array) -> Array:
-    return values
-
-
-class Figure(NamedTuple):
-    """A figure to take differences of."""
-
-    title: str  # title of the difference
-    value: Callable[[Array], Array]  # transform of a patient's figure before the difference
+    title: str  # heading of the difference
+    log: bool  # whether it is one of natural logs
     digits: int  # decimals
 
 
-FIGURES: MappingProxyType[str, Figure] = MappingProxyType(
+DIFFERENCES: Mapping[str, Difference] = MappingProxyType(
     {
-        "early_worst_sd": Figure(f"log of the worst sd, {EARLY_S:g} s", _log, 3),
-        "worst_sd": Figure("log of the worst sd, end", _log, 3),
-        "early_rmse": Figure(f"log of the true error, {EARLY_S:g} s", _log, 2),
-        "rmse": Figure("log of the true error, end", _log, 2),
-        "early_information_true": Figure(f"true nats, {EARLY_S:g} s", _same, 2),
-        "information_true": Figure("true nats, end", _same, 2),
-        "discomfort_s": Figure("discomfort, s", _same, 3),
+        "early_worst_sd": Difference(f"log of the worst sd, {EARLY_S:g} s", True, 3),
+        "worst_sd": Difference("log of the worst sd, end", True, 3),
+        "early_rmse": Difference(f"log of the true error, {EARLY_S:g} s", True, 2),
+        "rmse": Difference("log of the true error, end", True, 2),
+        "early_information_true": Difference(f"true nats, {EARLY_S:g} s", False, 2),
+        "information_true": Difference("true nats, end", False, 2),
+        "discomfort_s": Difference("discomfort, s", False, 3),
     }
 )
-"""By the columns of the patients' table."""
+"""Of figures of the catalogue, by their names."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +55,7 @@ class Gain:
     name: str  # label of the entry, or common beginning of the labels of its seeds
     against: str  # label of the reference, or ``its replay`` and ``its yoked replay``
     seeds: int  # how many trainings
-    figures: dict[str, Interval]  # of each of `FIGURES` the mean difference over seeds and patients
+    figures: dict[str, Interval]  # of each of `DIFFERENCES` the mean over seeds and patients
 
 
 def gains(study: Results, reference: str | None) -> tuple[Gain, ...]:
@@ -106,13 +99,8 @@ def groups(labels: Sequence[str]) -> list[tuple[str, list[str]]]:
 def _of(study: Results, name: str, group: list[str], others: list[str], against: str) -> list[Gain]:
     """Each of a group against its other, and where there are several all of them together."""
     differences = {
-        figure: np.array(
-            [
-                value(study.of(own)[figure].to_numpy()) - value(study.of(other)[figure].to_numpy())
-                for own, other in zip(group, others, strict=True)
-            ]
-        )
-        for figure, (_, value, _) in FIGURES.items()
+        figure: np.array([difference(study, figure, *pair) for pair in zip(group, others, strict=True)])
+        for figure in DIFFERENCES
     }
     gains_of_seeds = [
         Gain(label, against, 1, {figure: statistics.mean(rows[k]) for figure, rows in differences.items()})
@@ -122,6 +110,13 @@ def _of(study: Results, name: str, group: list[str], others: list[str], against:
         together = {figure: statistics.mean_over_both(rows) for figure, rows in differences.items()}
         gains_of_seeds.append(Gain(name, against, len(group), together))
     return gains_of_seeds
+
+
+def difference(study: Results, figure: str, own: str, other: str) -> Array:
+    """(N,) an entry's figure less another entry's, patient by patient, as `DIFFERENCES` has it."""
+    values = (FIGURES[figure].of(study.of(entry)) for entry in (own, other))
+    one, reference = map(np.log, values) if DIFFERENCES[figure].log else values
+    return one - reference
 
 
 @dataclass(frozen=True)
@@ -150,12 +145,8 @@ def adaptations(study: Results) -> tuple[Adaptation, ...]:
     entries = study.about.get("entries", [])
     pairs = [(played["replay_of"], played["label"]) for played in entries if played.get("replay_of")]
     return tuple(
-        Adaptation(entry, replay, *(_log_difference(study, entry, replay, sd) for sd in ("early_worst_sd", "worst_sd")))
-        for entry, replay in pairs
+        Adaptation(
+            *pair, *(statistics.mean(difference(study, figure, *pair)) for figure in ("early_worst_sd", "worst_sd"))
+        )
+        for pair in pairs
     )
-
-
-def _log_difference(study: Results, entry: str, replay: str, column: str) -> Interval:
-    """Mean over the patients of the difference of the logs."""
-    own, other = study.of(entry), study.of(replay)
-    return statistics.difference(np.log(own[column].to_numpy()), np.log(other[column].to_numpy()))

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from agents.evaluations import CURVES, read_evaluations
-from eval.comparison.ranking import KNOWN, Ranking, RankingRow
+from eval.comparison.ranking import KNOWN, SOON, Ranking, RankingRow
 from eval.comparison.results import Results
+from eval.comparison.trainings import difference
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
 from eval.report import marks
@@ -47,7 +48,7 @@ class Learned:
     @property
     def sooner(self) -> str:
         """How soon all parameters are known, before and after."""
-        before, after = (row.time_to[KNOWN].value for row in (self.base, self.entry))
+        before, after = (row[SOON].value for row in (self.base, self.entry))
         times = [f"after {words.number(time)} s" if math.isfinite(time) else "never" for time in (before, after)]
         base, entry = words.label(self.base.entry), words.label(self.entry.entry)
         known = f"In half of the patients all parameters are within {100.0 * KNOWN:g} %"
@@ -74,8 +75,8 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
                 entry,
                 base,
                 corrected[1],
-                _difference(study, entry, base, "early_worst_sd"),
-                _difference(study, entry, base, "worst_sd"),
+                statistics.mean(difference(study, "early_worst_sd", entry.entry, base.entry)),
+                statistics.mean(difference(study, "worst_sd", entry.entry, base.entry)),
                 _changes(study.motions.get(base.entry), study.motions.get(entry.entry), study.about),
             )
         )
@@ -90,11 +91,6 @@ def _corrected(folder: Path) -> tuple[str, int] | None:
         return None
     residual = None if card is None else card[1].residual
     return None if residual is None or not table else (residual.maneuver.name, int(table[-1]["steps"]))
-
-
-def _difference(study: Results, entry: RankingRow, base: RankingRow, column: str) -> Interval:
-    own, other = (study.of(row.entry)[column].to_numpy() for row in (entry, base))
-    return statistics.difference(np.log(own), np.log(other))
 
 
 def _changes(
