@@ -33,20 +33,18 @@ NOTE = (
     "its twin. A decision: of one patient, timed where this page was made; of the clairvoyant a plan. In brackets the "
     "95 % interval over patients, and over the seeds of a training."
 )
-HEAD = (
-    "entry",
-    "seeds",
-    "worst sd",
-    "closed, %",
-    "true error",
-    "replay",
-    "yoked",
-    "discomfort, s",
-    "above, %",
-    "NEES / p",
-    "training, steps",
-    "a decision, ms",
-)
+DIGITS = {
+    "worst sd": 3,
+    "closed, %": 0,
+    "true error": 2,
+    "replay": 3,
+    "yoked": 3,
+    "discomfort, s": 3,
+    "above, %": 0,
+    "NEES / p": 2,
+}
+"""Heading of each figure -> decimals."""
+HEAD = ("entry", "seeds", *DIGITS, "training, steps", "a decision, ms")
 
 
 @dataclass(frozen=True)
@@ -55,7 +53,7 @@ class Contestant:
 
     name: str  # label of the entry, or the common beginning of those of its seeds
     seeds: int  # how many trainings
-    figures: tuple[Interval, ...]  # those of ``HEAD`` behind the seeds, but for the costs
+    figures: tuple[Interval, ...]  # those of ``DIGITS``
     about: Mapping[str, Any]  # metadata of the entry, of several seeds that of the first
 
 
@@ -125,8 +123,7 @@ def _row(
 
 
 def _written(row: Contestant, cost: Cost) -> list[str]:
-    digits = (3, 0, 2, 3, 3, 3, 0, 2)
-    figures = [words.with_interval(value, places) for value, places in zip(row.figures, digits, strict=True)]
+    figures = list(map(words.with_interval, row.figures, DIGITS.values()))
     steps = words.NOTHING if math.isnan(cost.trained_steps) else f"{cost.trained_steps:,.0f}"
     return [words.label(row.name), str(row.seeds), *figures, steps, words.number(cost.decision_ms, 2)]
 

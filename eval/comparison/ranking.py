@@ -13,8 +13,7 @@ from typing import Any
 from agents.registry import shipped_names
 from eval.comparison.admission import AdmissionLimits, does_not_fit, false_sd
 from eval.comparison.results import Results
-from eval.figures import statistics
-from eval.figures.catalogue import FIGURES, above_limit, reaches, time_to
+from eval.figures.catalogue import FIGURES, Figure, above_limit, gained, reaches, time_to
 from eval.figures.statistics import Interval
 from jawenv.errors import InputError
 from jawenv.metrics import nees_band
@@ -23,8 +22,6 @@ KNOWN = 0.05
 """All parameters are known when the worst sd is at most this."""
 SOON = time_to(KNOWN)
 """Name of the figure by which entries are ranked."""
-DIFFERENCE = "difference"
-"""Name of the true information less the reference's, patient by patient."""
 N_LETTERS = 26
 CLAIRVOYANT = "plans with the patient's true parameters: a yardstick, no contestant"
 
@@ -42,7 +39,7 @@ class RankingRow:
     false_sd: str  # why its sds cannot be believed; empty if they can
     does_not_fit: str  # why nothing counts as known, where the alarm rings too often; else empty
     figures: Mapping[str, Interval]
-    """Each of `eval.figures.catalogue.FIGURES`, and but for the reference ``DIFFERENCE``."""
+    """Each of ``Ranking.catalogue``, the difference from the reference but for the reference itself."""
 
     def __getitem__(self, figure: str) -> Interval:
         """One figure."""
@@ -59,6 +56,7 @@ class Ranking:
     reference: str  # the entry that differences are taken against
     patients: int  # how many
     admission: AdmissionLimits  # limits of comfort
+    catalogue: Mapping[str, Figure]  # the figures of every row
     effects: dict[str, float]
     """Fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know."""
     estimator: str  # mechanics that the filter believes in, if not the environment's own; else empty
@@ -134,17 +132,20 @@ def rank(study: Results, reference: str | None = None, admission: AdmissionLimit
     if reference is not None and reference not in study.entries:
         raise InputError(f"reference is {reference!r}; allowed: {', '.join(study.entries)}")
     allowed = admission or AdmissionLimits()
-    rows = sorted((_row(study, entry, allowed) for entry in study.entries), key=_order)
+    catalogue = {**FIGURES, "above_limit": above_limit(allowed.discomfort_s)}
+    rows = sorted((_row(study, entry, catalogue, allowed) for entry in study.entries), key=_order)
     against = reference or rows[0].entry
+    difference = gained(study.of(against))
     number, parameters = len(study.of(against)), len(study.parameters)
     settings = study.about.get("settings", {})
     return Ranking(
-        rows=tuple(_against(study, row, against) for row in rows),
+        rows=tuple(row if row.entry == against else _with(row, difference, study) for row in rows),
         env=study.env,
         parameters=study.parameters,
         reference=against,
         patients=number,
         admission=allowed,
+        catalogue=catalogue | {difference.name: difference},
         effects=settings.get("reality") or {},
         estimator=settings.get("estimator") or "",
         asked=settings.get("asked") or "",
@@ -158,17 +159,13 @@ def _order(row: RankingRow) -> tuple[float | bool, ...]:
     return (bool(row.excluded), bool(row.does_not_fit), bool(row.false_sd), *soon, -row["information_true"].value)
 
 
-def _against(study: Results, row: RankingRow, reference: str) -> RankingRow:
-    """The row with its true information less the reference's on the same patients, unless it is the reference."""
-    if row.entry == reference:
-        return row
-    own, other = (study.of(label)["information_true"].to_numpy() for label in (row.entry, reference))
-    return replace(row, figures={**row.figures, DIFFERENCE: statistics.difference(own, other)})
+def _with(row: RankingRow, figure: Figure, study: Results) -> RankingRow:
+    """The row with one more figure."""
+    return replace(row, figures={**row.figures, figure.name: figure.interval(study.of(row.entry))})
 
 
-def _row(study: Results, entry: str, admission: AdmissionLimits) -> RankingRow:
+def _row(study: Results, entry: str, catalogue: Mapping[str, Figure], admission: AdmissionLimits) -> RankingRow:
     rows = study.of(entry)
-    catalogue = {**FIGURES, "above_limit": above_limit(admission.discomfort_s)}
     figures = {name: figure.interval(rows) for name, figure in catalogue.items()}
     metadata: dict[str, Any] = next((other for other in study.about["entries"] if other["label"] == entry), {})
     nees, true, claimed = (figures[name].value for name in ("nees", "information_true", "information_claimed"))

@@ -53,7 +53,7 @@ class Gain:
     """A policy, or all seeds of its training, against another entry on the same patients and noise."""
 
     name: str  # label of the entry, or common beginning of the labels of its seeds
-    against: str  # label of the reference, or ``its replay`` and ``its yoked replay``
+    against: str  # label of the other, or ``its replay`` and ``its yoked replay``
     seeds: int  # how many trainings
     figures: dict[str, Interval]  # of each of `DIFFERENCES` the mean over seeds and patients
 
@@ -119,34 +119,17 @@ def difference(study: Results, figure: str, own: str, other: str) -> Array:
     return one - reference
 
 
-@dataclass(frozen=True)
-class Adaptation:
-    """An entry against its replay on the same patients and noise."""
-
-    entry: str  # label of the entry
-    replay: str  # label of its replay
-    early: Interval
-    """Mean difference of the natural log of the worst sd after ``EARLY_S``, below 0 where the entry is better; NaN
-    in shorter episodes.
-    """
-    end: Interval  # the same at the end
-
-    def verdict(self, difference: Interval) -> str:
-        """`adapts` where the whole interval is below 0, `does worse` where it is above, else `not shown`."""
-        if not difference.known:
-            return "not known"
-        if difference.high < 0.0:
-            return "adapts"
-        return "does worse" if difference.low > 0.0 else "not shown"
-
-
-def adaptations(study: Results) -> tuple[Adaptation, ...]:
-    """Every entry of a study that has a replay, in the order in which they were played."""
+def adaptations(study: Results) -> tuple[Gain, ...]:
+    """Every entry of a study that has a replay against it, in the order in which they were played."""
     entries = study.about.get("entries", [])
     pairs = [(played["replay_of"], played["label"]) for played in entries if played.get("replay_of")]
-    return tuple(
-        Adaptation(
-            *pair, *(statistics.mean(difference(study, figure, *pair)) for figure in ("early_worst_sd", "worst_sd"))
-        )
-        for pair in pairs
-    )
+    return tuple(_of(study, entry, [entry], [replay], replay)[0] for entry, replay in pairs)
+
+
+def verdict(difference: Interval) -> str:
+    """`adapts` where the whole difference of logs is below 0, `does worse` where it is above, else `not shown`."""
+    if not difference.known:
+        return "not known"
+    if difference.high < 0.0:
+        return "adapts"
+    return "does worse" if difference.low > 0.0 else "not shown"

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from eval.comparison.ranking import DIFFERENCE, Ranking
+from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
 from eval.figures import words
+from eval.figures.catalogue import DIFFERENCE
 from eval.report import drawing, marks
 from eval.report.marks import Array, Chart
 from jawenv.metrics import TARGETS

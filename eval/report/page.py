@@ -17,11 +17,10 @@ from markupsafe import Markup
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import Ranking, RankingRow
 from eval.comparison.results import Results
-from eval.comparison.trainings import adaptations
+from eval.comparison.trainings import adaptations, verdict
 from eval.figures import words
 from eval.figures.statistics import RESAMPLES
 from eval.report import charts, films, first, marks, template
-from eval.report.columns import tables_of
 from eval.report.learned import learned, learning_charts
 from eval.rows.outcomes import EARLY_S
 from jawenv.anatomy.muscles import SIDES
@@ -83,10 +82,10 @@ def render(study: Results, ranking: Ranking) -> str:
         constants=CONSTANTS,
         model=_model(ranking, titles),
         answer=_answer(study, ranking),
-        tables=tables_of(ranking),
         films=_films(study, ranking, filmed),
         comfort={"limits": _limits(study), "use": _use_of_limits(study, ranking)},
         adaptations=adaptations(study),
+        verdict=verdict,
         diagnoses={row.entry: study.diagnoses(row.entry) for row in ranking.rows},
         learning={
             "lessons": lessons,

@@ -9,10 +9,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval.comparison.ranking import DIFFERENCE, KNOWN, SOON, Ranking, RankingRow
-from eval.comparison.trainings import DIFFERENCES, Adaptation, Gain
+from eval.comparison.ranking import KNOWN, SOON, Ranking, RankingRow
+from eval.comparison.trainings import DIFFERENCES, Gain, verdict
 from eval.figures import words
-from eval.figures.catalogue import FIGURES, SIGMAS, reaches, time_to
+from eval.figures.catalogue import DIFFERENCE, FIGURES, SIGMAS, reaches, time_to
 from eval.figures.statistics import Interval
 from eval.figures.tables import Table as WrittenTable
 from eval.figures.tables import printed_table
@@ -71,7 +71,7 @@ def _show_all(ranking: Ranking, console: Console) -> None:
     )
 
 
-def show_adaptations(adaptations: tuple[Adaptation, ...], console: Console) -> None:
+def show_adaptations(adaptations: tuple[Gain, ...], console: Console) -> None:
     """Print how much better entries are than their replays; nothing where none was replayed."""
     if not adaptations:
         return
@@ -80,14 +80,9 @@ def show_adaptations(adaptations: tuple[Adaptation, ...], console: Console) -> N
         (f"after {EARLY_S:g} s", "verdict", "at the end", "verdict"),
     )
     for number, adaptation in enumerate(adaptations, 1):
-        table.add_row(
-            str(number),
-            f"{words.label(adaptation.entry)}\nagainst {words.label(adaptation.replay)}",
-            _both(adaptation.early, 2),
-            adaptation.verdict(adaptation.early),
-            _both(adaptation.end, 2),
-            adaptation.verdict(adaptation.end),
-        )
+        early, end = (adaptation.figures[name] for name in ("early_worst_sd", "worst_sd"))
+        name = f"{words.label(adaptation.name)}\nagainst {words.label(adaptation.against)}"
+        table.add_row(str(number), name, _both(early, 2), verdict(early), _both(end, 2), verdict(end))
     console.print(table)
 
 
@@ -113,9 +108,9 @@ def _table(ranking: Ranking, title: str, columns: Sequence[Column]) -> Table:
 
 def _short(ranking: Ranking) -> Table:
     columns = [
-        *(_value(time_to(target), f"within\n{100.0 * target:g} %, s") for target in (first.NEARLY_KNOWN, KNOWN)),
-        _value("worst_sd", "worst sd\n%", 1),
-        _value("discomfort_rate"),
+        *(_figure(time_to(target), f"within\n{100.0 * target:g} %, s") for target in (first.NEARLY_KNOWN, KNOWN)),
+        _figure("worst_sd", "worst sd\n%", 1),
+        _figure("discomfort_rate"),
         _error_bars(ranking),
     ]
     title = f"How soon {ranking.sought} are known, in half of {ranking.patients} patients"
@@ -130,21 +125,21 @@ def _speed(ranking: Ranking) -> Table:
     columns: list[Column] = []
     for target in TARGETS:
         known, heading = target == KNOWN, f"{100.0 * target:g} %, s\nmedian"
-        columns.append((_with_interval if known else _value)(time_to(target), heading))
-        columns += [_value(f"{SOON}_p90", "\np90")] if known else []
-        columns.append(_value(reaches(target), "share\n%", 0))
+        columns.append(_figure(time_to(target), heading, ends=known))
+        columns += [_figure(f"{SOON}_p90", "\np90")] if known else []
+        columns.append(_figure(reaches(target), "share\n%", 0))
     title = "Ranking: how soon all are known, as the time until the worst sd is within a target"
-    return _table(ranking, title, [*columns, _value("identified")])
+    return _table(ranking, title, [*columns, _figure("identified")])
 
 
 def _precision(ranking: Ranking) -> Table:
     columns = [
-        _with_interval("information_true", "true info\nnats"),
+        _figure("information_true", "true info\nnats", ends=True),
         ("minus that of\nthe reference", _against),
-        _with_interval("worst_sd", "worst sd, %\nmedian", 1),
-        _value("worst_sd_p90", "\np90", 1),
-        _value("worst_sd_max", "\nmax", 1),
-        _with_interval("nees"),
+        _figure("worst_sd", "worst sd, %\nmedian", 1, ends=True),
+        _figure("worst_sd_p90", "\np90", 1),
+        _figure("worst_sd_max", "\nmax", 1),
+        _figure("nees", ends=True),
         _error_bars(ranking),
     ]
     return _table(ranking, f"How well {ranking.sought} of {ranking.env} are known at the end", columns)
@@ -153,10 +148,10 @@ def _precision(ranking: Ranking) -> Table:
 def _trust(ranking: Ranking) -> Table:
     columns = [
         ("inside 1/2/3 sd\n68/95/99.7 %", _inside),
-        _with_interval("honesty_gap", "claimed − true\nnats"),
-        _value("rmse_over_bound"),
+        _figure("honesty_gap", "claimed − true\nnats", ends=True),
+        _figure("rmse_over_bound"),
         ("discomfort\ns, % above", _discomfort),
-        *map(_value, ("violated", "rings", "governor")),
+        *map(_figure, ("violated", "rings", "governor")),
     ]
     return _table(ranking, "Whether that can be believed, and what it costs the patient", columns)
 
@@ -165,17 +160,15 @@ Column = tuple[str, Callable[[RankingRow], str | Text]]
 """A heading, in which ``{parameters}`` stands for their number, and what stands below it."""
 
 
-def _value(name: str, heading: str = "", digits: int | None = None) -> Column:
-    """A figure below a heading, or its own, without its interval."""
-    figure = FIGURES[name]
-    return heading or figure.narrow, lambda row: figure.value(row[name], digits)
-
-
-def _with_interval(name: str, heading: str = "", digits: int | None = None) -> Column:
-    """The same with it."""
+def _figure(name: str, heading: str = "", digits: int | None = None, *, ends: bool = False) -> Column:
+    """A figure below a heading, or its own, with the ends of its interval or without."""
     figure = FIGURES[name]
     shown = figure.digits if digits is None else digits
-    return heading or figure.narrow, lambda row: _both(figure.scaled(row[name]), shown)
+
+    def cell(row: RankingRow) -> str | Text:
+        return _both(figure.scaled(row[name]), shown) if ends else figure.value(row[name], shown)
+
+    return heading or figure.narrow, cell
 
 
 def _error_bars(ranking: Ranking) -> Column:

@@ -5,8 +5,9 @@ import pytest
 from rich.console import Console
 
 from eval.comparison.admission import AdmissionLimits
-from eval.comparison.ranking import CLAIRVOYANT, DIFFERENCE, KNOWN, SOON, rank
+from eval.comparison.ranking import CLAIRVOYANT, KNOWN, SOON, rank
 from eval.figures import words
+from eval.figures.catalogue import DIFFERENCE
 from eval.figures.statistics import Interval
 from eval.report import first, table
 from jawenv.errors import InputError
