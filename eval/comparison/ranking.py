@@ -74,14 +74,10 @@ class Ranking:
         """The rows that are not ranked."""
         return tuple(row for row in self.rows if row.excluded)
 
-    def place(self, row: RankingRow) -> int | None:
-        """The place of a row, from 1 on; None for one that is not ranked."""
-        return None if row.excluded else self.rows.index(row) + 1
-
     def mark(self, row: RankingRow) -> str:
         """Mark of a row in figures: its place, or a letter where it is not ranked."""
         if not row.excluded:
-            return str(self.place(row))
+            return str(self.rows.index(row) + 1)
         number = self.others.index(row)
         return chr(ord("a") + number) if number < N_LETTERS else f"a{number}"
 

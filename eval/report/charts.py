@@ -45,7 +45,7 @@ def all_charts(study: Results, ranking: Ranking) -> dict[str, Chart]:
 
 def information(ranking: Ranking) -> Chart:
     """True information with its interval, claimed information, and the bound where there is one."""
-    floor = -0.1 * max(row["information_claimed"].value for row in ranking.rows)
+    floor = drawing.floor(ranking)
     traces = []
     for i, row in enumerate(ranking.rows):
         true, claimed, bound = (row[f"information_{kind}"] for kind in ("true", "claimed", "bound"))
@@ -166,7 +166,7 @@ def discomfort(ranking: Ranking) -> Chart:
         "tickvals": ticks,
         "ticktext": ["0", *(f"{tick:g}" for tick in ticks[1:])],
     }
-    floor = -0.1 * max(row["information_claimed"].value for row in ranking.rows)
+    floor = drawing.floor(ranking)
     true = [row["information_true"].value for row in ranking.rows]
     layout: Chart = {
         "xaxis": axis,

@@ -82,6 +82,11 @@ def names(ranking: Ranking) -> dict[str, str]:
     return {row.entry: f"{ranking.mark(row)}  {words.label(row.entry)}" for row in ranking.rows}
 
 
+def floor(ranking: Ranking) -> float:
+    """Least true information that is drawn to scale: below it a single liar would flatten all others."""
+    return -0.1 * max(row["information_claimed"].value for row in ranking.rows)
+
+
 def log_percent(axes: Axes, which: str = "y", ticks: Sequence[float] = (0.5, 1, 2, 5, 10, 20, 50, 100)) -> None:
     """Logarithmic axis of a standard deviation, written in percent."""
     axis = axes.yaxis if which == "y" else axes.xaxis

@@ -26,7 +26,7 @@ def _overview(study: Results, ranking: Ranking) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
     colour = drawing.colours(ranking)
     rng = np.random.default_rng(0)
-    floor = _floor(ranking)
+    floor = drawing.floor(ranking)
     for y, row in enumerate(ranking.rows):
         _bar(left, row["information_true"], y, colour[row.entry], floor)
         left.plot(row["information_claimed"].value, y, "d", mfc="none", mec=colour[row.entry], ms=6)
@@ -70,8 +70,3 @@ def _bar(axes: Axes, estimate: Interval, y: float, colour: str, floor: float = -
         ends = [max(estimate.low, floor), estimate.high]
         axes.plot(ends, [y, y], color=colour, lw=2.6, solid_capstyle="butt")
     axes.plot(estimate.value, y, "o", color=colour, ms=6.5, mec="white", mew=0.8, zorder=3)
-
-
-def _floor(ranking: Ranking) -> float:
-    """True information below which an entry is not drawn to scale: a single liar would flatten all others."""
-    return -0.1 * max(row["information_claimed"].value for row in ranking.rows)
