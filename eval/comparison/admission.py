@@ -29,7 +29,7 @@ class AdmissionLimits:
             raise InputError(f"largest-violation is {self.violation}; allowed: a share, 0 to 1")
 
     def reasons(self, discomfort_s: float, violation: float) -> list[str]:
-        """Why an entry is not admissible, a phrase for each limit that it exceeds.
+        """The reasons against an entry, a phrase for each limit that it exceeds.
 
         Args:
             discomfort_s: its mean discomfort, s per 30 s.
@@ -44,7 +44,7 @@ class AdmissionLimits:
 
 
 def does_not_fit(ringing: float) -> str:
-    """Why nothing counts as known by readings that do not fit the model, or nothing where they do.
+    """The reason that nothing counts as known, where readings contradict the model; else empty.
 
     Args:
         ringing: share of the episodes in which the alarm rings.
@@ -56,7 +56,7 @@ def does_not_fit(ringing: float) -> str:
 
 
 def false_sd(nees: float, information_true: float, information_claimed: float, parameters: int) -> str:
-    """Why stated sds cannot be believed, or nothing where they can.
+    """The reason for disbelief in stated sds; empty where they can be believed.
 
     Args:
         nees: mean over the patients.

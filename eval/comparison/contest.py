@@ -1,4 +1,4 @@
-"""A contest: what each entry closes of the gap between the best fixed maneuver and a planner that knows the patient.
+"""A contest: each entry's share of the gap between the best fixed maneuver and a planner that knows the patient.
 
 Of every comparison all seeds of one training are one row (``trainings``). Figures are of the end of the episode, and
 differences patient by patient. The best fixed maneuver is the one of the smallest mean log of the worst sd among those

@@ -1,4 +1,4 @@
-"""Every entry's figures with their intervals: those that are ranked, the best first, then all others and why.
+"""Every entry's figures with their intervals: ranked entries, the best first, then all others with the reason.
 
 Ranked is by the time until all parameters are within 5 %: median over the patients, then the 90 % quantile, then the
 share that gets there; among equals, as where nobody gets there, by true information, which overconfidence cannot raise.
@@ -66,12 +66,12 @@ class Ranking:
 
     @property
     def ranked(self) -> tuple[RankingRow, ...]:
-        """The rows that are ranked, best first."""
+        """The ranked rows, best first."""
         return tuple(row for row in self.rows if not row.excluded)
 
     @property
     def others(self) -> tuple[RankingRow, ...]:
-        """The rows that are not ranked."""
+        """The rows outside the ranking."""
         return tuple(row for row in self.rows if row.excluded)
 
     def mark(self, row: RankingRow) -> str:
@@ -93,12 +93,12 @@ class Ranking:
 
     @property
     def n_parameters(self) -> int:
-        """Number of parameters, which is also the mean of a calibrated NEES."""
+        """Number of parameters, also the mean of a calibrated NEES."""
         return len(self.parameters)
 
     @property
     def sought(self) -> str:
-        """What has to be known: all parameters, or those that are asked for."""
+        """The parameters to identify, in words: all, or the ones asked for."""
         return "the parameters asked for" if self.asked else f"all {self.n_parameters} parameters"
 
     @property

@@ -76,7 +76,7 @@ class Results:
         return self.of(entry)[[f"{prefix}/{name}" for name in self.parameters]].to_numpy(dtype=np.float64)
 
     def diagnoses(self, entry: str) -> dict[str, tuple[float, Diagnosis]]:
-        """Threshold of `stiff` (pull) and `blocked` (stiffening), with what is decided on every muscle at the end."""
+        """Thresholds of `stiff` (pull) and `blocked` (stiffening), with the decisions on all muscles at the end."""
         truth, error, sd = (self.array(entry, name) for name in ("truth", "error", "sd"))
         forces_N = FIBROSED_F_O_N * whole_muscles_per_line(self.parameters)
         return {

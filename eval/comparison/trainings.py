@@ -27,7 +27,7 @@ _KINDS = ("replay", "yoked replay")  # of `eval.episodes.replays.add_replays`, i
 
 
 class Difference(NamedTuple):
-    """How a figure is compared patient by patient."""
+    """A comparison of a figure patient by patient."""
 
     title: str  # heading of the difference
     log: bool  # whether it is one of natural logs
@@ -113,7 +113,7 @@ def _of(study: Results, name: str, group: list[str], others: list[str], against:
 
 
 def difference(study: Results, figure: str, own: str, other: str) -> Array:
-    """(N,) an entry's figure less another entry's, patient by patient, as `DIFFERENCES` has it."""
+    """(N,) differences of `DIFFERENCES` between two entries, patient by patient."""
     values = (FIGURES[figure].of(study.of(entry)) for entry in (own, other))
     one, reference = map(np.log, values) if DIFFERENCES[figure].log else values
     return one - reference

@@ -75,16 +75,16 @@ class Figure:
         return UNKNOWN if np.isnan(values).any() else SUMMARIES[self.statistic](values)
 
     def scaled(self, estimate: Interval) -> Interval:
-        """In the unit of tables."""
+        """The estimate in the unit of tables."""
         return words.scaled(estimate, self.scale)
 
     def value(self, estimate: Interval, digits: int | None = None) -> str:
-        """Written without its interval, with so many digits behind the point or the figure's own."""
+        """The estimate as a text without its interval, with some digits behind the point or the figure's own."""
         return words.number(self.scale * estimate.value, self.digits if digits is None else digits)
 
 
 def _per_parameter(column: str) -> Callable[[pd.DataFrame], Array]:
-    """Parameters are those that the rows' model has: their columns hold numbers."""
+    """A column over the number of parameters in the rows' model, whose columns hold numbers."""
     return lambda rows: rows[column].to_numpy(dtype=np.float64) / rows.filter(like="truth/").iloc[0].notna().sum()
 
 

@@ -1,4 +1,4 @@
-"""From the patients of a study to all patients: bootstrap intervals and paired differences.
+"""Bootstrap intervals: conclusions from the patients of a study on all patients.
 
 Every interval is over patients (scipy.stats.bootstrap): bias-corrected and accelerated for means, percentile
 for quantiles, whose acceleration a jackknife cannot estimate (Efron & Tibshirani 1993, chapters 11 and 14).
@@ -35,11 +35,11 @@ class Interval:
 
     @classmethod
     def of(cls, row: Any, name: str) -> Interval:
-        """From the columns of `columns`."""
+        """The interval in a row's columns of `columns`."""
         return cls(row[name], row[f"{name}_low"], row[f"{name}_high"])
 
     def columns(self, name: str) -> dict[str, float]:
-        """As columns of a table: ``name``, and with ``_low`` and ``_high`` behind it the ends."""
+        """Columns of a table: ``name``, and the ends with ``_low`` and ``_high`` behind it."""
         return {name: self.value, f"{name}_low": self.low, f"{name}_high": self.high}
 
 

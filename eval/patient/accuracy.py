@@ -1,4 +1,4 @@
-"""How often verdicts are right: sensitivity, specificity and both kinds of error, muscle by muscle over a cohort."""
+"""Accuracy of verdicts: sensitivity, specificity and both kinds of error, muscle by muscle over a cohort."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ class Card:
 
 @dataclass(frozen=True)
 class Subject:
-    """Whose page it is."""
+    """The patient of the page."""
 
     who: str  # the title
     account: str  # the treatments in a line
@@ -233,7 +233,7 @@ def _chance(probability: float) -> str:
 
 
 def _since(course: Sequence[Treatment], muscle: int, word: str) -> str:
-    """From which moment on the verdict has been the last one, in words."""
+    """The moment since when the verdict has stood, in words."""
     if word in (UNKNOWN, NO_VERDICT):
         return ""
     pair = slice(2 * muscle, 2 * muscle + 2)

@@ -1,4 +1,4 @@
-"""How every figure looks: sizes, colours that work on white and on black, and who has which colour."""
+"""The look of every figure: sizes, colours for white and for black, and the colour of each entry."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def colours(ranking: Ranking) -> dict[str, str]:
 
 
 def repeats(ranking: Ranking) -> dict[str, int]:
-    """How many entries before each have its colour."""
+    """The number of entries before each with its colour."""
     seen: dict[str, int] = {}
     counts: dict[str, int] = {}
     for entry, colour in colours(ranking).items():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from eval.comparison.admission import LARGEST_RINGING
@@ -39,7 +38,7 @@ class Bars:
 
 
 def firsts(ranking: Ranking) -> tuple[RankingRow, ...]:
-    """The best five, and all entries that do not come with the project, in the order of the rows."""
+    """The best five, and all entries of one's own, in the order of the rows."""
     best = ranking.rows[:N_BEST]
     return tuple(row for row in ranking.rows if row in best or row.own)
 
@@ -51,7 +50,7 @@ def rest(ranking: Ranking) -> tuple[RankingRow, ...]:
 
 
 def answer(ranking: Ranking) -> str:
-    """Which entry is best, how soon all parameters are known by it, and on how many patients, in one sentence.
+    """One sentence on the best entry, the time until all parameters are known by it, and the patients.
 
     Before it the effects on the truth unknown to the filter, if any.
     """
@@ -110,7 +109,7 @@ def belief(ranking: Ranking) -> tuple[bool, str]:
 
 
 def bars(ranking: Ranking, row: RankingRow, episode_s: float) -> Bars:
-    """How soon, how sure and how comfortable; a fuller bar is better.
+    """Bars of speed, sureness and comfort; a fuller one is better.
 
     Args:
         ranking: of the study.
@@ -128,11 +127,6 @@ def bars(ranking: Ranking, row: RankingRow, episode_s: float) -> Bars:
         Bar(f"{words.percent(worst)} %", 0.0 if row.false_sd else _within(1.0 - worst / LEAST_SURE)),
         Bar(spent, 0.0 if over else _within(spared)),
     )
-
-
-def all_bars(ranking: Ranking, episode_s: float, rows: Iterable[RankingRow]) -> list[tuple[RankingRow, Bars]]:
-    """Rows with their bars."""
-    return [(row, bars(ranking, row, episode_s)) for row in rows]
 
 
 def _within(share: float) -> float:

@@ -47,7 +47,7 @@ class Learned:
 
     @property
     def sooner(self) -> str:
-        """How soon all parameters are known, before and after."""
+        """Times until all parameters are known, before and after."""
         before, after = (row[SOON].value for row in (self.base, self.entry))
         times = [f"after {words.number(time)} s" if math.isfinite(time) else "never" for time in (before, after)]
         base, entry = words.label(self.base.entry), words.label(self.entry.entry)
@@ -56,7 +56,7 @@ class Learned:
 
     @property
     def gain(self) -> tuple[str, Interval]:
-        """When, and the worst sd as a share of the base's on the same patient."""
+        """The moment, and the worst sd then as a share of the base's on the same patient."""
         when, log = (f"after {EARLY_S:g} s", self.early) if self.early.known else ("at the end", self.end)
         return when, Interval(*(math.exp(end) for end in (log.value, log.low, log.high)))
 
@@ -161,7 +161,7 @@ def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: st
 
 
 def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
-    """Evaluations by the number of the row, of the runs that are still where they were."""
+    """Evaluations by the number of the row, of runs still in place."""
     by_row, notes = {}, []
     for i, row in enumerate(ranking.rows):
         if row.entry not in specs or not Path(specs[row.entry]).is_dir():

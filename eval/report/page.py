@@ -116,8 +116,8 @@ def _answer(study: Results, ranking: Ranking) -> dict[str, Any]:
         "assumption": first.assumption(study),
         "believed": believed,
         "because": because,
-        "bars": first.all_bars(ranking, longest_s, first.firsts(ranking)),
-        "bars_of_rest": first.all_bars(ranking, longest_s, rest),
+        "bars": [(row, first.bars(ranking, row, longest_s)) for row in first.firsts(ranking)],
+        "bars_of_rest": [(row, first.bars(ranking, row, longest_s)) for row in rest],
         "rest": rest,
     }
 
@@ -155,7 +155,7 @@ def _embedded(data: dict[str, Any]) -> dict[str, Markup]:
 
 
 def _limits(study: Results) -> list[str]:
-    """Names of the comfort limits; none in results that are older than their columns."""
+    """Names of the comfort limits; none in results from before their columns."""
     return [name.removeprefix("used/") for name in map(str, study.patients) if name.startswith("used/")]
 
 

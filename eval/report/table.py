@@ -29,7 +29,7 @@ _MEANING = {"calibrated": "right", "overconfident": "too small", "cautious": "to
 
 
 def show(ranking: Ranking, console: Console, *, details: bool = False) -> None:
-    """Print the best entries in one short table; in detail all of them, how honestly, and at what discomfort.
+    """Print the best entries in one short table; in detail all of them with honesty and discomfort.
 
     Args:
         ranking: see `eval.comparison.ranking.rank`.
@@ -97,7 +97,7 @@ def _below(title: str, headings: Iterable[str]) -> Table:
 
 
 def _table(ranking: Ranking, title: str, columns: Sequence[Column]) -> Table:
-    """All rows, with a line above the first that is not ranked."""
+    """All rows, with a line between ranked ones and the others."""
     table = _below(title, (heading.format(parameters=ranking.n_parameters) for heading, _ in columns))
     for row in ranking.rows:
         if ranking.others and row is ranking.others[0] and ranking.ranked:

@@ -124,5 +124,5 @@ def picture(figure: Figure, name: str, label: str, colours: Mapping[str, str] | 
 
 
 def _shorter(number: re.Match[str]) -> str:
-    """A coordinate to a tenth of a point, which is less than a pixel."""
+    """A coordinate to a tenth of a point, less than a pixel."""
     return f"{float(number.group()):.1f}"

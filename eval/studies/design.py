@@ -61,7 +61,7 @@ class EnvironmentChoice(InputModel):
 
     @property
     def name(self) -> str:
-        """As tables call it."""
+        """The name in tables."""
         filters = f", {self.estimator} filter" if self.estimator else ""
         return self.env + filters + (f", {self.knowledge}" if self.knowledge else "")
 
@@ -82,7 +82,7 @@ class Side(InputModel):
         return {name: value for name, value in self if value is not None}
 
     def __str__(self) -> str:
-        """As tables call it."""
+        """The name in tables."""
         return ", ".join(
             str(value) if name == "entry" else f"{name} {value}".removesuffix(".0")
             for name, value in self.given.items()

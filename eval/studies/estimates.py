@@ -1,4 +1,4 @@
-"""From the patients of a study to all patients: figures of cells, paired comparisons, performance profiles.
+"""Estimates for all patients from those of a study: figures of cells, paired comparisons, performance profiles.
 
 Intervals are over patients, 95 %. Probabilities of improvement and profiles are those that Agarwal et al. (2021,
 NeurIPS 34:29304, `rliable`) recommend, with patients for runs and settings for tasks. Two things differ. Both sides of
@@ -87,7 +87,7 @@ def _rows_of_pair(pair: Pair, by_cell: dict[Levels, pd.DataFrame], design: Desig
 
 
 def _means(tables: list[pd.DataFrame]) -> pd.DataFrame:
-    """Over the settings, of the seeds that were played under all of them."""
+    """Means over the settings, of the seeds played under all of them."""
     by_seed = pd.concat(tables).groupby(level="seed")
     return by_seed.mean()[by_seed.size() == len(tables)]
 
