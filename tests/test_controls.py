@@ -19,7 +19,7 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration
 from jawenv.playing.rollout import information_bound
 from training.run.config import CONFIGS, TrainingConfig
-from training.search.optimise import Refinement
+from training.search.settings import Refinement
 
 SHORT = {"episode_s": 1.0, "track_bound": False}
 

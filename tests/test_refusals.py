@@ -37,7 +37,7 @@ from jawenv.references.smoother import IteratedSmoother
 from jawenv.rendering import Renderer
 from training.run.config import Residual, TrainingConfig
 from training.run.train import parse_seeds
-from training.search.optimise import Refinement
+from training.search.settings import Refinement
 
 nan, inf = np.nan, np.inf
 ONE, TWO = np.ones((1, 3)), np.ones((2, 3))

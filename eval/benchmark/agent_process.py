@@ -39,7 +39,7 @@ _ACTION_SIZE = 4
 
 
 def load_apart(spec: str | Path, *, trust: bool = False, **settings: Any) -> Agent:
-    """As `agents.registry.load_agent`; a module or a pickled checkpoint in a process of its own."""
+    """Load an agent as `agents.registry.load_agent` does; a module or a pickled checkpoint in its own process."""
     if is_named(str(spec)) or (trust and Path(spec).suffix == ".zip"):
         return AgentProcess(str(spec), trust=trust, **settings)
     return registry.load_agent(spec, trust=trust, **settings)
@@ -192,7 +192,7 @@ def _line(content: dict[str, Any]) -> bytes:
 
 
 def _content(line: bytes) -> dict[str, Any]:
-    """What a line of JSON holds.
+    """The content of a line of JSON.
 
     Raises:
         ValueError: it is no object of JSON.

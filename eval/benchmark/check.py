@@ -1,4 +1,4 @@
-"""Whether a submission reproduces: its files, its figures, and its patients played again."""
+"""Check that a submission reproduces: its files, its figures, and its patients played again."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def _of_agents(submitted: Submission, folder: Path, trust: bool) -> list[str]:
 
 
 def _of_figures(submitted: Submission, rows: pd.DataFrame) -> list[str]:
-    """Scores that do not follow from the patients' rows."""
+    """Scores at odds with the patients' rows."""
     cells = by_cell(rows)
     named = {(score.task, score.agent) for score in submitted.scores}
     played = dict.fromkeys(zip(map(str, rows["task"]), map(str, rows["agent"]), strict=True))

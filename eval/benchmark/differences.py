@@ -55,7 +55,7 @@ def faults_of(
 
 
 def _apart(rows: pd.DataFrame, column: str, step_s: float | None) -> Mask:
-    """Which rows differ by more than is allowed."""
+    """The rows with a difference above what is allowed."""
     played, submitted = _pair(rows, column)
     equal: Mask = (played == submitted) | (np.isnan(played) & np.isnan(submitted))
     if step_s is None:
@@ -89,7 +89,7 @@ def _leaning(both: pd.DataFrame) -> Iterator[str]:
 
 
 def _chance_of_mean(differences: npt.NDArray[np.float64]) -> float:
-    """The p value of a mean that is not 0 (Student's t); 1 of few rows."""
+    """The p value of a mean against 0 (Student's t); 1 of few rows."""
     number = len(differences)
     if number < _FEWEST or not differences.any():
         return 1.0

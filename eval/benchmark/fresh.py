@@ -186,7 +186,7 @@ def _share(logarithm: Interval) -> Interval:
 
 
 def difference(public: Array, fresh: Array) -> tuple[Interval, float]:
-    """How much larger values are on fresh patients, with the 95 % interval, and the chance of that (Welch's test).
+    """The excess of values on fresh patients with its 95 % interval, and the chance of it (Welch's test).
 
     Args:
         public: values of the public patients.
@@ -201,7 +201,7 @@ def difference(public: Array, fresh: Array) -> tuple[Interval, float]:
 
 
 def suspected(comparisons: Sequence[Comparison]) -> list[Comparison]:
-    """Those that are better on public patients than chance makes honest agents (Bonferroni's rule)."""
+    """The agents that do better on public patients than chance lets honest agents do (Bonferroni's rule)."""
     return [one for one in comparisons if one.chance < LEVEL / len(comparisons)]
 
 

@@ -19,7 +19,7 @@ from jawenv.errors import InputError
 def cells_of(
     specs: Sequence[str], tasks: Sequence[Task], patients: int | None = None, *, trust: bool = False
 ) -> tuple[Cell, ...]:
-    """Every agent in every task that it fits; one that was trained in an environment plays the tasks of that one.
+    """Every agent in every task that it fits; a trained one plays the tasks of its own environment.
 
     Args:
         specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
@@ -90,7 +90,7 @@ def _fitting(spec: str, tasks: Sequence[Task]) -> list[Task]:
 
 
 def left_out(cells: Sequence[Cell], tasks: Sequence[Task]) -> Iterator[str]:
-    """A line for each agent that does not fit all tasks."""
+    """A line for each agent that some task leaves out."""
     played: dict[str, set[object]] = {}
     for cell in cells:
         played.setdefault(str(cell.levels["agent"]), set()).add(cell.levels["task"])

@@ -73,7 +73,7 @@ def _made(content: dict[str, Any]) -> dict[str, Any]:
 
 
 class SubmittedAgent(InputModel):
-    """Who was played."""
+    """The agent of some scores."""
 
     agent: Label  # its label
     spec: Text  # as typed
@@ -173,7 +173,7 @@ def cell_of_score(score: SubmittedScore, submitted: Submission, folder: Path, *,
 
 
 def spec_of(agent: SubmittedAgent, folder: Path) -> str:
-    """What a submitted agent is loaded by."""
+    """The name or path that loads a submitted agent."""
     return agent.spec if agent.copy_at is None else str(folder / agent.copy_at)
 
 
@@ -184,7 +184,7 @@ def json_of(metadata: dict[str, Any]) -> dict[str, Any]:
 
 
 def keep_agents(agents: Mapping[str, str], folder: Path) -> tuple[SubmittedAgent, ...]:
-    """Copy the files of every agent that does not come with jawenv into the folder.
+    """Copy the files of every agent of one's own into the folder.
 
     A module of one's own is not copied: whoever checks the submission has it importable.
 

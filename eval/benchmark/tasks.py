@@ -1,4 +1,4 @@
-"""The tasks, which are frozen: a changed task makes a new version of the benchmark."""
+"""The frozen tasks: a changed task makes a new version of the benchmark."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Task:
 
     @property
     def seeds(self) -> range:
-        """Of all patients."""
+        """The seeds of all patients."""
         return range(self.first_seed, self.first_seed + self.patients)
 
     @property
@@ -52,7 +52,7 @@ class Task:
         return {name: value for name, value in asdict(knowledge(self.knowledge)).items() if value > 0.0}
 
     def settings(self, patients: int | None = None) -> Settings:
-        """How it is played.
+        """The world in which it is played.
 
         Args:
             patients: the first ones only; all by default.
@@ -62,7 +62,7 @@ class Task:
         return Settings.of(patients or self.patients, self.first_seed, **world, **within)
 
     def frozen(self) -> dict[str, Any]:
-        """All that makes the task, with the numbers behind the names; no words, no effects that are off."""
+        """All that makes the task, with the numbers behind the names, without words and effects that are off."""
         device = asdict(device_of(dict(self.device)))
         return {name: value for name, value in asdict(self).items() if name != "description"} | {
             "cohort": {"name": self.cohort, "groups": cohort(self.cohort).to_dict()["groups"]},

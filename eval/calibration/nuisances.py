@@ -52,6 +52,6 @@ def table_of(summary: pd.DataFrame, *, intervals: bool = True) -> Table:
 
 
 def _cell(row: pd.Series, group: str, intervals: bool) -> str:
-    """As `1.02 (0.93 … 1.12), 64 %`, or `1.02 (64 %)`."""
+    """A cell such as `1.02 (0.93 … 1.12), 64 %`, or `1.02 (64 %)`."""
     squares, left = Interval.of(row, f"{ERROR}/{group}"), f"{words.percent(row[f'{LEFT}/{group}'], 0)} %"
     return f"{words.with_interval(squares, 2)}, {left}" if intervals else f"{words.number(squares.value, 2)} ({left})"

@@ -100,7 +100,7 @@ def _bias(judged: pd.DataFrame, parameters: list[str]) -> dict[str, object]:
 
 
 def _largest_mean_z(row: pd.Series) -> str:
-    """As `−0.31 (−0.45 … −0.17), F_o of masseter left`."""
+    """A cell such as `−0.31 (−0.45 … −0.17), F_o of masseter left`."""
     if not row["largest_mean_z_of"]:
         return words.NOTHING
     symbol = row["largest_mean_z_of"].split("/", 1)[0].removeprefix("log_")

@@ -138,7 +138,7 @@ def _play(
 
 
 def _play_baselines(agents: list[str], names: list[str] | None, patients: int | None, output: Path, run: Run) -> None:
-    """What comes with jawenv; the page is renewed by all patients of all tasks, at a commit without changes."""
+    """Play the agents of jawenv; all patients of all tasks, at a commit without changes, renew the page."""
     from eval.benchmark.run import fitting_agents
     from eval.benchmark.submission import PAGE
     from eval.benchmark.tasks import tasks_named
@@ -189,7 +189,7 @@ def _check(folder: Path, patients: int | None, run: Run, trust: bool, fresh_seed
 
 
 def _drawn(patients: int | None, available: int) -> str:
-    """How surely a check finds patients that were forged."""
+    """The chance that a check finds forged patients."""
     if patients is None or patients >= available:
         return "all were played"
     from scipy.stats import hypergeom

@@ -101,7 +101,7 @@ def card_command(
         "runs/results.json"
     ),
 ) -> None:
-    """Write what an entry reached in a comparison, for the model card that `training export --results` makes."""
+    """Write an entry's figures in a comparison, for the model card of `training export --results`."""
     from eval.comparison import results
     from eval.comparison.card_results import card_results
     from jawenv.files import write_json
@@ -143,7 +143,7 @@ def replay_command(
     seed: options.Seed = REPLAYS.start,
     trust: options.Trust = False,
 ) -> None:
-    """Write what an agent does in targets control, averaged over patients, as a maneuver file.
+    """Write an agent's targets, averaged over patients, as a maneuver file.
 
     The maneuver is the agent without its eyes: what the agent does better on other patients, it owes to adapting.
     """

@@ -1,4 +1,4 @@
-"""What commands have in common: options, the terminal, and the command as it was typed."""
+"""The common ground of commands: options, the terminal, and the command as typed."""
 
 from __future__ import annotations
 

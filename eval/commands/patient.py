@@ -44,7 +44,7 @@ def patient_command(
     fresh: options.Fresh = False,
     trust: options.Trust = False,
 ) -> None:
-    """Treat one patient or a few, and write for each a page that says which muscles are stiff and how sure that is.
+    """Treat one patient or a few, and write for each a page on stiff muscles and their certainty.
 
     Writes patient-NAME.html, which prints on one sheet, and verdicts.parquet. Ctrl-C keeps the treatments that are
     over: the same command goes on from there.

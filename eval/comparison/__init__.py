@@ -1,1 +1,1 @@
-"""``python -m eval compare``: maneuvers and agents on the same patients; tables, and who is ahead by how much."""
+"""``python -m eval compare``: maneuvers and agents on the same patients, their tables, ranking and differences."""

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from eval.figures.catalogue import ADMITTED_S, PER_S
 from jawenv.errors import InputError
 
-PER_S = 30.0
-"""Discomfort is judged per so many seconds, the usual length of an episode."""
 FALSE_NEES = 4.0
 """Mean NEES per parameter above which sds are false: errors are more than twice what the filter states."""
 LARGEST_RINGING = 0.05
@@ -19,7 +18,7 @@ LARGEST_RINGING = 0.05
 class AdmissionLimits:
     """Largest cost to the patient of a ranked entry."""
 
-    discomfort_s: float = 0.1  # largest mean discomfort, s per 30 s, >= 0
+    discomfort_s: float = ADMITTED_S  # largest mean discomfort, s per 30 s, >= 0
     violation: float = 0.01  # largest share of episodes that cross a hard limit, 0 to 1
 
     def __post_init__(self) -> None:
@@ -30,7 +29,7 @@ class AdmissionLimits:
             raise InputError(f"largest-violation is {self.violation}; allowed: a share, 0 to 1")
 
     def reasons(self, discomfort_s: float, violation: float) -> list[str]:
-        """Why an entry is not admissible, a phrase for each limit that it exceeds.
+        """The reasons against an entry, a phrase for each limit that it exceeds.
 
         Args:
             discomfort_s: its mean discomfort, s per 30 s.
@@ -45,7 +44,7 @@ class AdmissionLimits:
 
 
 def does_not_fit(ringing: float) -> str:
-    """Why nothing counts as known by readings that do not fit the model, or nothing where they do.
+    """The reason that nothing counts as known, where readings contradict the model; else empty.
 
     Args:
         ringing: share of the episodes in which the alarm rings.
@@ -57,7 +56,7 @@ def does_not_fit(ringing: float) -> str:
 
 
 def false_sd(nees: float, information_true: float, information_claimed: float, parameters: int) -> str:
-    """Why stated sds cannot be believed, or nothing where they can.
+    """The reason for disbelief in stated sds; empty where they can be believed.
 
     Args:
         nees: mean over the patients.

@@ -8,6 +8,7 @@ import numpy as np
 
 from eval.comparison.results import Results
 from eval.figures import statistics
+from eval.figures.catalogue import FIGURES
 from eval.figures.statistics import Interval
 from eval.rows.outcomes import EARLY_S
 from jawenv.errors import InputError
@@ -50,18 +51,17 @@ def card_results(results: Results, entry: str) -> ResultsFile:
 
 def _figures(results: Results, entry: str) -> Iterator[tuple[str, str, Interval]]:
     """Metric, mean or median, and the interval."""
-    patients, parameters = results.of(entry), len(results.parameters)
+    rows, parameters = results.of(entry), len(results.parameters)
     end = f"{results.about['settings']['episode_s']:g} s"
     largest = "largest sd asked for" if "asked" in results.about["settings"] else f"largest of {parameters} sds"
-    sds = {f"{EARLY_S:g} s": "early_worst_sd", end: "worst_sd"}
-    for time, column in sds.items():
-        values = 100.0 * patients[column].to_numpy()
-        if np.isfinite(values).all():
-            yield f"{largest} after {time}, %", "median", statistics.quantile(values, 0.5)
-    means = {
-        f"true information after {end}, nats": "information_true",
-        f"discomfort in {end}, s": "discomfort_s",
-        f"NEES after {end}, {parameters} if calibrated": "nees",
+    titles = {
+        "early_worst_sd": f"{largest} after {EARLY_S:g} s, %",
+        "worst_sd": f"{largest} after {end}, %",
+        "information_true": f"true information after {end}, nats",
+        "discomfort_s": f"discomfort in {end}, s",
+        "nees": f"NEES after {end}, {parameters} if calibrated",
     }
-    for metric, column in means.items():
-        yield metric, "mean", statistics.mean(patients[column].to_numpy())
+    for name, title in titles.items():
+        figure = FIGURES[name]
+        if figure.statistic == "mean" or np.isfinite(figure.of(rows)).all():
+            yield title, figure.statistic, figure.scaled(figure.interval(rows))

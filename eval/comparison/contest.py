@@ -1,4 +1,4 @@
-"""A contest: what each entry closes of the gap between the best fixed maneuver and a planner that knows the patient.
+"""A contest: each entry's share of the gap between the best fixed maneuver and a planner that knows the patient.
 
 Of every comparison all seeds of one training are one row (``trainings``). Figures are of the end of the episode, and
 differences patient by patient. The best fixed maneuver is the one of the smallest mean log of the worst sd among those
@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from eval.comparison.admission import PER_S, AdmissionLimits
+from eval.comparison.admission import AdmissionLimits
 from eval.comparison.cost import Cost, cost
 from eval.comparison.results import Results
 from eval.comparison.trainings import groups, replays_of
 from eval.figures import statistics, words
+from eval.figures.catalogue import FIGURES, above_limit, per_30_s
 from eval.figures.statistics import UNKNOWN, Array, Interval
 from eval.figures.tables import Table, made_by
 from eval.kept.entries import Settings
@@ -32,20 +33,18 @@ NOTE = (
     "its twin. A decision: of one patient, timed where this page was made; of the clairvoyant a plan. In brackets the "
     "95 % interval over patients, and over the seeds of a training."
 )
-HEAD = (
-    "entry",
-    "seeds",
-    "worst sd",
-    "closed, %",
-    "true error",
-    "replay",
-    "yoked",
-    "discomfort, s",
-    "above, %",
-    "NEES / p",
-    "training, steps",
-    "a decision, ms",
-)
+DIGITS = {
+    "worst sd": 3,
+    "closed, %": 0,
+    "true error": 2,
+    "replay": 3,
+    "yoked": 3,
+    "discomfort, s": 3,
+    "above, %": 0,
+    "NEES / p": 2,
+}
+"""Heading of each figure -> decimals."""
+HEAD = ("entry", "seeds", *DIGITS, "training, steps", "a decision, ms")
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ class Contestant:
 
     name: str  # label of the entry, or the common beginning of those of its seeds
     seeds: int  # how many trainings
-    figures: tuple[Interval, ...]  # those of ``HEAD`` behind the seeds, but for the costs
+    figures: tuple[Interval, ...]  # those of ``DIGITS``
     about: Mapping[str, Any]  # metadata of the entry, of several seeds that of the first
 
 
@@ -69,7 +68,7 @@ def contestants(study: Results, admission: AdmissionLimits | None = None) -> tup
     entries = {entry["label"]: entry for entry in study.about["entries"]}
     own = [label for label, entry in entries.items() if not entry.get("replay_of")]
     fixed = [label for label in own if not (entries[label].get("trained") or entries[label].get("planned"))]
-    fixed = [label for label in fixed if _per_30_s(study, label).mean() <= allowed.discomfort_s]
+    fixed = [label for label in fixed if per_30_s(study.of(label)).mean() <= allowed.discomfort_s]
     ends = [label for label in own if entries[label].get("clairvoyant")]
     if not fixed or not ends:
         raise InputError("comparison: lacks a maneuver within comfort, or a clairvoyant planner; allowed: with both")
@@ -111,22 +110,20 @@ def _row(
     replays = [replays_of(study, label) for label in group]
     kinds = [list(kind) for kind in zip(*replays, strict=False)]
     against = [_over(less("worst_sd", kind)) for kind in kinds] or [UNKNOWN, UNKNOWN]
-    discomfort = np.array([study.of(label)["discomfort_s"].to_numpy() for label in group])
-    above = 100.0 * np.array([_per_30_s(study, label) > admission.discomfort_s for label in group])
-    nees = np.array([study.of(label)["nees"].to_numpy() for label in group]) / len(study.parameters)
+    own = FIGURES["discomfort_s"], above_limit(admission.discomfort_s), FIGURES["nees_per_parameter"]
+    of_each = [figure.scale * np.array([figure.of(study.of(label)) for label in group]) for figure in own]
     about = next(entry for entry in study.about["entries"] if entry["label"] == group[0])
     closed = words.scaled(statistics.ratio_over_both(worst, whole), 100.0)
     return Contestant(
         name,
         len(group),
-        (_over(worst), closed, _over(error), *against, _over(discomfort), _over(above), _over(nees)),
+        (_over(worst), closed, _over(error), *against, *map(_over, of_each)),
         about,
     )
 
 
 def _written(row: Contestant, cost: Cost) -> list[str]:
-    digits = (3, 0, 2, 3, 3, 3, 0, 2)
-    figures = [words.with_interval(value, places) for value, places in zip(row.figures, digits, strict=True)]
+    figures = list(map(words.with_interval, row.figures, DIGITS.values()))
     steps = words.NOTHING if math.isnan(cost.trained_steps) else f"{cost.trained_steps:,.0f}"
     return [words.label(row.name), str(row.seeds), *figures, steps, words.number(cost.decision_ms, 2)]
 
@@ -139,9 +136,3 @@ def _over(values: Array) -> Interval:
 def _log(study: Results, label: str, column: str) -> Array:
     values: Array = np.log(study.of(label)[column].to_numpy(dtype=np.float64))
     return values
-
-
-def _per_30_s(study: Results, label: str) -> Array:
-    rows = study.of(label)
-    per_s: Array = (rows["discomfort_s"] / rows["duration_s"]).to_numpy(dtype=np.float64)
-    return PER_S * per_s

@@ -1,4 +1,4 @@
-"""What an entry of a comparison costs: steps of its training, and the time of one decision on this machine."""
+"""Costs of an entry of a comparison: steps of its training, and the time of one decision on this machine."""
 
 from __future__ import annotations
 

@@ -92,5 +92,5 @@ def _cells(row: pd.Series) -> list[str]:
 
 
 def _with_error(value: float, error: float) -> str:
-    """As `8.27 ± 0.13`."""
+    """A cell such as `8.27 ± 0.13`."""
     return words.number(value, 2) + ("" if pd.isna(error) else f" ± {words.number(error, 2)}")

@@ -29,7 +29,7 @@ def play_patient(
     trust: bool = False,
     own_modules: bool = False,
 ) -> Results:
-    """The same results with the motions of one of their patients, by those entries that are still there.
+    """The same results with the motions of one patient by the entries that can still be loaded.
 
     Args:
         study: a finished comparison.
@@ -141,7 +141,7 @@ def _rotation_vector(rotation: Any) -> Any:
 
 
 def _rounded(value: Any) -> Any:
-    """Plain numbers with four significant digits, which is finer than a pixel."""
+    """Plain numbers with four significant digits, finer than a pixel."""
     array = np.asarray(value, dtype=np.float64)
     if array.ndim:
         return [_rounded(element) for element in array]

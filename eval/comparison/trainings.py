@@ -9,7 +9,7 @@ with all values of the other (the pigeonhole bootstrap; Owen 2007, Annals of App
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple
@@ -18,6 +18,7 @@ import numpy as np
 
 from eval.comparison.results import Results
 from eval.figures import statistics
+from eval.figures.catalogue import FIGURES
 from eval.figures.statistics import Array, Interval
 from eval.rows.outcomes import EARLY_S
 
@@ -25,34 +26,26 @@ _SEED = re.compile(r"(?P<stem>.+)-seed\d+")
 _KINDS = ("replay", "yoked replay")  # of `eval.episodes.replays.add_replays`, in its order
 
 
-def _log(values: Array) -> Array:
-    return np.log(values)
+class Difference(NamedTuple):
+    """A comparison of a figure patient by patient."""
 
-
-def _same(values: Array) -> Array:
-    return values
-
-
-class Figure(NamedTuple):
-    """A figure to take differences of."""
-
-    title: str  # title of the difference
-    value: Callable[[Array], Array]  # transform of a patient's figure before the difference
+    title: str  # heading of the difference
+    log: bool  # whether it is one of natural logs
     digits: int  # decimals
 
 
-FIGURES: MappingProxyType[str, Figure] = MappingProxyType(
+DIFFERENCES: Mapping[str, Difference] = MappingProxyType(
     {
-        "early_worst_sd": Figure(f"log of the worst sd, {EARLY_S:g} s", _log, 3),
-        "worst_sd": Figure("log of the worst sd, end", _log, 3),
-        "early_rmse": Figure(f"log of the true error, {EARLY_S:g} s", _log, 2),
-        "rmse": Figure("log of the true error, end", _log, 2),
-        "early_information_true": Figure(f"true nats, {EARLY_S:g} s", _same, 2),
-        "information_true": Figure("true nats, end", _same, 2),
-        "discomfort_s": Figure("discomfort, s", _same, 3),
+        "early_worst_sd": Difference(f"log of the worst sd, {EARLY_S:g} s", True, 3),
+        "worst_sd": Difference("log of the worst sd, end", True, 3),
+        "early_rmse": Difference(f"log of the true error, {EARLY_S:g} s", True, 2),
+        "rmse": Difference("log of the true error, end", True, 2),
+        "early_information_true": Difference(f"true nats, {EARLY_S:g} s", False, 2),
+        "information_true": Difference("true nats, end", False, 2),
+        "discomfort_s": Difference("discomfort, s", False, 3),
     }
 )
-"""By the columns of the patients' table."""
+"""Of figures of the catalogue, by their names."""
 
 
 @dataclass(frozen=True)
@@ -60,9 +53,9 @@ class Gain:
     """A policy, or all seeds of its training, against another entry on the same patients and noise."""
 
     name: str  # label of the entry, or common beginning of the labels of its seeds
-    against: str  # label of the reference, or ``its replay`` and ``its yoked replay``
+    against: str  # label of the other, or ``its replay`` and ``its yoked replay``
     seeds: int  # how many trainings
-    figures: dict[str, Interval]  # of each of `FIGURES` the mean difference over seeds and patients
+    figures: dict[str, Interval]  # of each of `DIFFERENCES` the mean over seeds and patients
 
 
 def gains(study: Results, reference: str | None) -> tuple[Gain, ...]:
@@ -106,13 +99,8 @@ def groups(labels: Sequence[str]) -> list[tuple[str, list[str]]]:
 def _of(study: Results, name: str, group: list[str], others: list[str], against: str) -> list[Gain]:
     """Each of a group against its other, and where there are several all of them together."""
     differences = {
-        figure: np.array(
-            [
-                value(study.of(own)[figure].to_numpy()) - value(study.of(other)[figure].to_numpy())
-                for own, other in zip(group, others, strict=True)
-            ]
-        )
-        for figure, (_, value, _) in FIGURES.items()
+        figure: np.array([difference(study, figure, *pair) for pair in zip(group, others, strict=True)])
+        for figure in DIFFERENCES
     }
     gains_of_seeds = [
         Gain(label, against, 1, {figure: statistics.mean(rows[k]) for figure, rows in differences.items()})
@@ -124,38 +112,24 @@ def _of(study: Results, name: str, group: list[str], others: list[str], against:
     return gains_of_seeds
 
 
-@dataclass(frozen=True)
-class Adaptation:
-    """An entry against its replay on the same patients and noise."""
-
-    entry: str  # label of the entry
-    replay: str  # label of its replay
-    early: Interval
-    """Mean difference of the natural log of the worst sd after ``EARLY_S``, below 0 where the entry is better; NaN
-    in shorter episodes.
-    """
-    end: Interval  # the same at the end
-
-    def verdict(self, difference: Interval) -> str:
-        """`adapts` where the whole interval is below 0, `does worse` where it is above, else `not shown`."""
-        if not difference.known:
-            return "not known"
-        if difference.high < 0.0:
-            return "adapts"
-        return "does worse" if difference.low > 0.0 else "not shown"
+def difference(study: Results, figure: str, own: str, other: str) -> Array:
+    """(N,) differences of `DIFFERENCES` between two entries, patient by patient."""
+    values = (FIGURES[figure].of(study.of(entry)) for entry in (own, other))
+    one, reference = map(np.log, values) if DIFFERENCES[figure].log else values
+    return one - reference
 
 
-def adaptations(study: Results) -> tuple[Adaptation, ...]:
-    """Every entry of a study that has a replay, in the order in which they were played."""
+def adaptations(study: Results) -> tuple[Gain, ...]:
+    """Every entry of a study that has a replay against it, in the order in which they were played."""
     entries = study.about.get("entries", [])
     pairs = [(played["replay_of"], played["label"]) for played in entries if played.get("replay_of")]
-    return tuple(
-        Adaptation(entry, replay, *(_log_difference(study, entry, replay, sd) for sd in ("early_worst_sd", "worst_sd")))
-        for entry, replay in pairs
-    )
+    return tuple(_of(study, entry, [entry], [replay], replay)[0] for entry, replay in pairs)
 
 
-def _log_difference(study: Results, entry: str, replay: str, column: str) -> Interval:
-    """Mean over the patients of the difference of the logs."""
-    own, other = study.of(entry), study.of(replay)
-    return statistics.difference(np.log(own[column].to_numpy()), np.log(other[column].to_numpy()))
+def verdict(difference: Interval) -> str:
+    """`adapts` where the whole difference of logs is below 0, `does worse` where it is above, else `not shown`."""
+    if not difference.known:
+        return "not known"
+    if difference.high < 0.0:
+        return "adapts"
+    return "does worse" if difference.low > 0.0 else "not shown"

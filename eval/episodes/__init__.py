@@ -1,1 +1,1 @@
-"""What is made of an entry's episodes: films, data sets, and replays of its averaged targets."""
+"""Products of an entry's episodes: films, data sets, and replays of its averaged targets."""

@@ -81,7 +81,7 @@ class Episode:
             raise InputError(f"start_s is {film.start_s:g}; allowed: a time within the episode")
 
     def steps(self) -> Iterator[None]:
-        """Play; comes back at the steps that are shown, the last among them, where `picture` and `scene` are of."""
+        """Play and yield at each step of the film, the last one too; `picture` and `scene` are of that step."""
         film, env, agent = self._film, self._env, self._film.entry.agent
         try:
             options = None if film.patient is None else {"patient": film.patient}

@@ -50,7 +50,7 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
 def add_replays(
     entries: Sequence[Entry], settings: Settings, folder: Path, *, fresh: bool = False, console: Console | None = None
 ) -> list[Entry]:
-    """The entries, and after each that is trained or planned its replay and its yoked replay.
+    """The entries, each trained or planned one followed by its replay and its yoked replay.
 
     Replays are averaged over as many patients as are compared, of the same cohort, by the seeds of ``REPLAYS``.
 

@@ -1,4 +1,4 @@
-"""From the patients of a study to all patients: bootstrap intervals and paired differences.
+"""Bootstrap intervals: conclusions from the patients of a study on all patients.
 
 Every interval is over patients (scipy.stats.bootstrap): bias-corrected and accelerated for means, percentile
 for quantiles, whose acceleration a jackknife cannot estimate (Efron & Tibshirani 1993, chapters 11 and 14).
@@ -35,11 +35,11 @@ class Interval:
 
     @classmethod
     def of(cls, row: Any, name: str) -> Interval:
-        """From the columns of `columns`."""
+        """The interval in a row's columns of `columns`."""
         return cls(row[name], row[f"{name}_low"], row[f"{name}_high"])
 
     def columns(self, name: str) -> dict[str, float]:
-        """As columns of a table: ``name``, and with ``_low`` and ``_high`` behind it the ends."""
+        """Columns of a table: ``name``, and the ends with ``_low`` and ``_high`` behind it."""
         return {name: self.value, f"{name}_low": self.low, f"{name}_high": self.high}
 
 
@@ -88,13 +88,7 @@ def mean_over_both(values: Array) -> Interval:
     estimate = float(values.mean())
     if min(values.shape) < 2 or not np.isfinite(estimate):
         return Interval(estimate, float("nan"), float("nan"))
-    rng, (trainings, patients) = np.random.default_rng(0), values.shape
-    # A mean of resampled rows and columns is a product with how often each was drawn.
-    rows = rng.multinomial(trainings, np.full(trainings, 1.0 / trainings), RESAMPLES) / trainings
-    columns = rng.multinomial(patients, np.full(patients, 1.0 / patients), RESAMPLES) / patients
-    means = np.einsum("rs,sn,rn->r", rows, values, columns, optimize=True)
-    low, high = np.quantile(means, [(1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0])
-    return Interval(estimate, float(low), float(high))
+    return _between(estimate, _resampled(values)[0])
 
 
 def ratio_over_both(values: Array, whole: Array) -> Interval:
@@ -107,11 +101,20 @@ def ratio_over_both(values: Array, whole: Array) -> Interval:
     estimate = float(values.mean() / whole.mean())
     if len(whole) < 2 or not np.isfinite(estimate):
         return Interval(estimate, float("nan"), float("nan"))
+    means, patients = _resampled(values)
+    return _between(estimate, means / (patients @ whole))
+
+
+def _resampled(values: Array) -> tuple[Array, Array]:
+    """Means of resampled rows and columns, products with how often each was drawn, and these of the columns."""
     rng, (trainings, patients) = np.random.default_rng(0), values.shape
     rows = rng.multinomial(trainings, np.full(trainings, 1.0 / trainings), RESAMPLES) / trainings
     columns = rng.multinomial(patients, np.full(patients, 1.0 / patients), RESAMPLES) / patients
-    ratios = np.einsum("rs,sn,rn->r", rows, values, columns, optimize=True) / (columns @ whole)
-    low, high = np.quantile(ratios, [(1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0])
+    return np.einsum("rs,sn,rn->r", rows, values, columns, optimize=True), columns
+
+
+def _between(estimate: float, resampled: Array) -> Interval:
+    low, high = np.quantile(resampled, [(1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0])
     return Interval(estimate, float(low), float(high))
 
 
@@ -184,16 +187,6 @@ def rmse_over_bound(error: Array, bound_sd: Array) -> Interval:
         return ratio
 
     return _over_patients(statistic, np.hstack([error, bound_sd]), "BCa")
-
-
-def difference(values: Array, reference: Array) -> Interval:
-    """Mean over patients of a value minus the reference's value on the same patient and noise.
-
-    Args:
-        values: (N,) one per patient.
-        reference: (N,) of the same patients in the same order.
-    """
-    return mean(np.asarray(values) - np.asarray(reference))
 
 
 def share(hits: Sequence[bool] | npt.NDArray[np.bool_]) -> Interval:

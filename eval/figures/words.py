@@ -1,4 +1,4 @@
-"""How figures are written: the same way in the terminal, in the report and in captions."""
+"""Figures in words: the same in the terminal, in the report and in captions."""
 
 from __future__ import annotations
 

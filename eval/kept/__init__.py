@@ -1,1 +1,1 @@
-"""The engine: entries under settings are cells, played in parts, kept on disk under a digest of what decides them."""
+"""The engine: entries under settings are cells, played in parts, kept on disk under a digest of their causes."""

@@ -29,7 +29,7 @@ FOLDER = "parts"
 
 @dataclass(frozen=True)
 class Rows(ABC):
-    """A family of columns: how patients are played, and the rows that are kept of them.
+    """A family of columns: the way patients are played, and their kept rows.
 
     Fields of subclasses and the sources of their module enter the digest of kept parts.
     """
@@ -89,7 +89,7 @@ def play_cells(cells: Sequence[Cell], output: Path, run: Run | None = None, unit
 
 
 def play_parts(parts: Sequence[tuple[Cell, Part]], run: Run | None = None, unit: str = "episodes") -> pd.DataFrame:
-    """Play some parts of cells, but for those that are kept.
+    """Play some parts of cells, but for kept ones.
 
     Returns:
         As `play_cells`.

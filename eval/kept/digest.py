@@ -74,7 +74,7 @@ def fingerprint(entry: Entry, settings: Any, *made_by: ModuleType) -> str:
 
 @cache
 def _source(module: Path) -> str:
-    """The digest of a module's file, or of all files of its package; of jawenv's, those that can change a number."""
+    """The digest of a module's file, or of all files of its package; of jawenv the files that can change a number."""
     files = module.parent.rglob("*") if module.name == "__init__.py" else [module]
     content, root = hashlib.sha256(), Path(str(jawenv.__file__)).parent
     for file in sorted(file for file in files if file.suffix in _SOURCES):

@@ -36,7 +36,7 @@ _ALIKE = {DEFAULT_ENV, KNOWN_WITHIN_SDS}
 
 @dataclass(frozen=True)
 class Settings:
-    """On whom and how maneuvers and agents are played."""
+    """Patients and world of a comparison."""
 
     world: Configuration = Configuration()  # the environment and its arguments
     patients: int = 64  # how many, >= 1; patient i is drawn, and its noise made, by the seed `seed + i`
@@ -65,7 +65,7 @@ class Settings:
 
     @property
     def seeds(self) -> range:
-        """Of the patients and their noise."""
+        """The seeds of patients and noise."""
         return range(self.seed, self.seed + self.patients)
 
 

@@ -42,7 +42,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Run:
-    """How work is done."""
+    """The way in which work is done."""
 
     fresh: bool = False  # do kept parts again
     workers: int | None = None  # processes; all cores by default. 1 works in this process

@@ -64,7 +64,7 @@ agent = jawenv.Player(MANEUVER)
 
 
 def play_to_the_end(env):
-    """What the environment says after each step."""
+    """Play an episode; yields the info after each step."""
     observation, info = env.reset(seed=0)
     agent.reset(1)
     done = False

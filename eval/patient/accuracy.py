@@ -1,4 +1,4 @@
-"""How often verdicts are right: sensitivity, specificity and both kinds of error, muscle by muscle over a cohort."""
+"""Accuracy of verdicts: sensitivity, specificity and both kinds of error, muscle by muscle over a cohort."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from eval.comparison.results import Results
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
 from eval.figures.tables import Table
-from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
+from jawenv.metrics import Diagnosis
 
 Mask = NDArray[np.bool_]
 
@@ -47,13 +47,9 @@ def accuracy(study: Results) -> pd.DataFrame:
 
 
 def _rows(study: Results, entry: str) -> list[dict[str, object]]:
-    truth, error, sd = (study.array(entry, name) for name in ("truth", "error", "sd"))
     muscles = [words.muscle(name) for name in study.parameters[::2]]
-    forces = FIBROSED_F_O_N * whole_muscles_per_line(study.parameters)
     rows: list[dict[str, object]] = []
-    for name, first, threshold in (("stiff", 0, forces), ("blocked", 1, BLOCKED_B)):
-        columns = slice(first, None, 2)
-        made = diagnose(truth[:, columns], (truth + error)[:, columns], sd[:, columns], threshold)
+    for name, (threshold, made) in study.diagnoses(entry).items():
         labels: dict[str, object] = {"entry": entry, "property": name, "above": threshold}
         rows.append(labels | {"muscle": ALL} | _figures(made, slice(None)))
         rows += [labels | {"muscle": muscle} | _figures(made, slice(i, i + 1)) for i, muscle in enumerate(muscles)]

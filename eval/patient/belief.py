@@ -51,11 +51,11 @@ class PatientBelief:
         return np.sqrt(np.diagonal(self.cov))
 
     def widened(self, sd: float) -> PatientBelief:
-        """After every parameter may have changed by a normal step of that sd, independently."""
+        """The belief after an independent normal step of that sd of every parameter."""
         return PatientBelief(self.mean, self.cov + sd**2 * np.eye(len(self.mean)))
 
     def working_prior(self, population: Prior) -> Prior:
-        """Where the filter starts: the same means, the sds of the cohort's prior or larger ones, no correlations."""
+        """The filter's start: the same means, the sds of the cohort's prior or larger ones, no correlations."""
         return Prior(self.mean, np.maximum(self.sd, population.sd))
 
 

@@ -1,4 +1,4 @@
-"""How much the muscles have changed since the first treatment."""
+"""Changes of the muscles since the first treatment."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Change:
-    """How much each parameter has changed since the first treatment, as natural logs."""
+    """The change of each parameter since the first treatment, as natural logs."""
 
     mean: Array  # (P,)
     sd: Array  # (P,)
@@ -33,7 +33,7 @@ class Change:
 
 
 def change(first: JointLikelihood, later: JointLikelihood, prior: Prior) -> tuple[Array, Array]:
-    """How much the muscles have changed between two treatments of a patient.
+    """The change of the muscles between two treatments of a patient.
 
     The muscles of both have the cohort's prior, independently: only measurements tell of a change. The
     anatomy is one and has one prior, so that errors which come of it and are alike in both treatments cancel.
@@ -76,7 +76,7 @@ def change_of(course: Sequence[Treatment], prior: Prior) -> Change | None:
 
 
 def change_in_words(factor: float, low: float, high: float) -> str:
-    """As `softer by 20 % (12 … 27)`: a factor with the ends of its interval."""
+    """A factor with the ends of its interval, such as `softer by 20 % (12 … 27)`."""
     word, sign = ("softer", -1.0) if factor < 1.0 else ("stiffer", 1.0)
     value, *ends = (100.0 * sign * (ratio - 1.0) for ratio in (factor, low, high))
     low, high = sorted(ends)

@@ -33,7 +33,7 @@ class Person:
 
 
 def persons(seed: int, number: int, files: Sequence[Path] = ()) -> list[Person]:
-    """The patients of some files, or those that a cohort has at seeds that follow each other.
+    """The patients of some files, or of a cohort at consecutive seeds.
 
     Args:
         seed: of the first one.

@@ -75,7 +75,7 @@ class Card:
 
 @dataclass(frozen=True)
 class Subject:
-    """Whose page it is."""
+    """The patient of the page."""
 
     who: str  # the title
     account: str  # the treatments in a line
@@ -247,7 +247,7 @@ def _chance(probability: float) -> str:
 
 
 def _since(course: Sequence[Treatment], prior: Prior, muscle: int, word: str) -> str:
-    """From which moment on the data have given the verdict, in words."""
+    """The moment since when the data have given the verdict, in words."""
     if word in (NO_VERDICT, *OPEN):
         return ""
     pair = slice(2 * muscle, 2 * muscle + 2)

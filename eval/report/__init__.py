@@ -1,1 +1,1 @@
-"""How results are shown: drawings (matplotlib, also for notebooks), tables in the terminal, and HTML files."""
+"""Results on show: drawings (matplotlib, also for notebooks), tables in the terminal, and HTML files."""

@@ -11,8 +11,10 @@ import numpy as np
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
 from eval.figures import words
+from eval.figures.catalogue import DIFFERENCE
 from eval.report import drawing, marks
 from eval.report.marks import Array, Chart
+from jawenv.metrics import TARGETS
 
 _BELOW = 0.27  # of a row: where a second mark stands, so that the first does not hide it
 _LEAST_DISCOMFORT = 1e-3  # s per 30 s: floor of the log axis
@@ -37,38 +39,31 @@ def all_charts(study: Results, ranking: Ranking) -> dict[str, Chart]:
     }
     if len(ranking.rows) > 1:
         charts["differences"] = differences(study, ranking)
-    charts |= {f"reached_{100 * target:g}": reached(study, ranking, target) for target in ranking.rows[0].time_to}
+    charts |= {f"reached_{100 * target:g}": reached(study, ranking, target) for target in TARGETS}
     return charts
 
 
 def information(ranking: Ranking) -> Chart:
     """True information with its interval, claimed information, and the bound where there is one."""
-    floor = -0.1 * max(row.information_claimed.value for row in ranking.rows)
+    floor = drawing.floor(ranking)
     traces = []
     for i, row in enumerate(ranking.rows):
-        true, name = row.information_true, words.label(row.entry)
-        hover = (
-            f"{name}<br>true {words.with_interval(true)} nats<br>claimed {words.number(row.information_claimed.value)}"
-        )
+        true, claimed, bound = (row[f"information_{kind}"] for kind in ("true", "claimed", "bound"))
+        name = words.label(row.entry)
+        hover = f"{name}<br>true {words.with_interval(true)} nats<br>claimed {words.number(claimed.value)}"
         below = true.value < floor
         point = marks.point(ranking, i, max(true.value, floor), i, true, hover)
         if below:
             point |= {"mode": "markers+text", "text": [words.number(true.value, 0)], "textposition": "middle right"}
             point["marker"] |= {"symbol": "triangle-left", "size": 13}
             del point["error_x"]
-        if has_bound(ranking) and np.isfinite(row.information_bound.value):
+        if ranking.has_bound and np.isfinite(bound.value):
             tick = {"symbol": "line-ns-open", "size": 20, "line": {"width": 2}}
-            traces.append(marks.mark(i, row.information_bound.value, i, tick, f"{name}<br>bound %{{x:.1f}} nats"))
+            traces.append(marks.mark(i, bound.value, i, tick, f"{name}<br>bound %{{x:.1f}} nats"))
         traces.append(point)
         shape = {"symbol": "diamond-open", "size": 8, "color": drawing.colours(ranking)[row.entry]}
-        claimed = row.information_claimed.value
-        traces.append(marks.mark(i, claimed, i + _BELOW, shape, f"{name}<br>claimed %{{x:.1f}} nats"))
+        traces.append(marks.mark(i, claimed.value, i + _BELOW, shape, f"{name}<br>claimed %{{x:.1f}} nats"))
     return marks.down(ranking, traces, {"title": "information, nats (more is better)", "zeroline": True})
-
-
-def has_bound(ranking: Ranking) -> bool:
-    """Whether the bound holds: only for a filter with a true model."""
-    return not ranking.effects and not ranking.estimator
 
 
 def worst_sd(study: Results, ranking: Ranking) -> Chart:
@@ -77,8 +72,9 @@ def worst_sd(study: Results, ranking: Ranking) -> Chart:
     for i, row in enumerate(ranking.rows):
         table = study.of(row.entry)
         traces.append(marks.cloud(ranking, i, table["worst_sd"].to_numpy(), table["seed"].to_numpy(), "%{x:.1%}"))
-        hover = f"{words.label(row.entry)}<br>median {words.percent(row.worst_sd_median.value)} %"
-        traces.append(marks.point(ranking, i, row.worst_sd_median.value, i + _BELOW, row.worst_sd_median, hover))
+        median = row["worst_sd"]
+        hover = f"{words.label(row.entry)}<br>median {words.percent(median.value)} %"
+        traces.append(marks.point(ranking, i, median.value, i + _BELOW, median, hover))
     return marks.down(
         ranking, traces, marks.sd_axis(f"worst of the {ranking.n_parameters} sd at the end (less is better)")
     )
@@ -87,17 +83,17 @@ def worst_sd(study: Results, ranking: Ranking) -> Chart:
 def differences(study: Results, ranking: Ranking) -> Chart:
     """True information of every entry minus the reference's on the same patient."""
     reference = study.of(ranking.reference)["information_true"].to_numpy()
-    largest = max((abs(row.difference.value) for row in ranking.rows if row.difference), default=0.0)
+    differences = {i: row[DIFFERENCE] for i, row in enumerate(ranking.rows) if DIFFERENCE in row.figures}
+    largest = max((abs(difference.value) for difference in differences.values()), default=0.0)
     traces, low, high = [], 0.0, 0.0
-    for i, row in enumerate(ranking.rows):
-        if row.difference is None:
-            continue
+    for i, difference in differences.items():
+        row = ranking.rows[i]
         table = study.of(row.entry)
         gained = table["information_true"].to_numpy() - reference
         low, high = min(low, float(gained.min())), max(high, float(gained.max()))
         traces.append(marks.cloud(ranking, i, gained, table["seed"].to_numpy(), "%{x:.1f} nats"))
-        hover = f"{words.label(row.entry)}<br>mean difference {words.with_interval(row.difference)} nats"
-        traces.append(marks.point(ranking, i, row.difference.value, i + _BELOW, row.difference, hover))
+        hover = f"{words.label(row.entry)}<br>mean difference {words.with_interval(difference)} nats"
+        traces.append(marks.point(ranking, i, difference.value, i + _BELOW, difference, hover))
     title = f"true information minus that of {words.label(ranking.reference)}, nats"
     return marks.down(
         ranking,
@@ -110,8 +106,9 @@ def nees(ranking: Ranking) -> Chart:
     """Mean NEES of every entry, with the band of calibrated filters."""
     traces = []
     for i, row in enumerate(ranking.rows):
-        hover = f"{words.label(row.entry)}<br>mean NEES {words.with_interval(row.nees)}: {ranking.calibration(row)}"
-        traces.append(marks.point(ranking, i, row.nees.value, i, row.nees, hover))
+        mean = row["nees"]
+        hover = f"{words.label(row.entry)}<br>mean NEES {words.with_interval(mean)}: {ranking.calibration(row)}"
+        traces.append(marks.point(ranking, i, mean.value, i, mean, hover))
     chart = marks.down(ranking, traces, {"title": "mean NEES at the end", "type": "log", **_nees_ticks(ranking)})
     chart["layout"]["shapes"] = [marks.band(ranking, "x")]
     return chart
@@ -127,7 +124,8 @@ def nees_over_time(study: Results, ranking: Ranking) -> Chart:
 
 def _nees_ticks(ranking: Ranking) -> Chart:
     """Marks of an axis of NEES, so close that the chart shows two at least."""
-    shown = [end for row in ranking.rows for end in (row.nees.value, row.nees.low, row.nees.high) if end > 0.0]
+    means = [row["nees"] for row in ranking.rows]
+    shown = [end for mean in means for end in (mean.value, mean.low, mean.high) if end > 0.0]
     narrow = not shown or max(shown) < _NARROW * min(shown)
     return {"tickvals": [round(factor * 10.0**k, 6) for k in range(-1, 7) for factor in (_FINE if narrow else _COARSE)]}
 
@@ -151,14 +149,14 @@ def discomfort(ranking: Ranking) -> Chart:
     """True information against discomfort, with the line beyond which nobody is ranked."""
     traces = []
     for i, row in enumerate(ranking.rows):
-        x = max(row.discomfort_rate, _LEAST_DISCOMFORT)
+        cost, violated = row["discomfort_rate"].value, words.percent(row["violated"].value)
         hover = (
-            f"{words.label(row.entry)}<br>discomfort {row.discomfort_rate:.3g} s per 30 s<br>"
-            f"hard limit crossed in {words.percent(row.violated.value)} % of the episodes"
+            f"{words.label(row.entry)}<br>discomfort {cost:.3g} s per 30 s<br>"
+            f"hard limit crossed in {violated} % of the episodes"
         )
         marker = {"size": 11, "opacity": 0.8} | marks.look(ranking, i)
-        traces.append(marks.mark(i, x, row.information_true.value, marker, hover))
-    highest = max(row.discomfort_rate for row in ranking.rows)
+        traces.append(marks.mark(i, max(cost, _LEAST_DISCOMFORT), row["information_true"].value, marker, hover))
+    highest = max(row["discomfort_rate"].value for row in ranking.rows)
     ticks = [_LEAST_DISCOMFORT, 0.01, 0.1, 1.0, 10.0, 100.0]
     allowed = max(ranking.admission.discomfort_s, _LEAST_DISCOMFORT)
     axis = {
@@ -168,8 +166,8 @@ def discomfort(ranking: Ranking) -> Chart:
         "tickvals": ticks,
         "ticktext": ["0", *(f"{tick:g}" for tick in ticks[1:])],
     }
-    floor = -0.1 * max(row.information_claimed.value for row in ranking.rows)
-    true = [row.information_true.value for row in ranking.rows]
+    floor = drawing.floor(ranking)
+    true = [row["information_true"].value for row in ranking.rows]
     layout: Chart = {
         "xaxis": axis,
         "yaxis": {"title": "true information, nats"},
@@ -223,7 +221,7 @@ def curves(study: Results, ranking: Ranking) -> dict[str, Any]:
         for parameter in study.parameters:
             table = marks.thin(study, row.entry, f"sd/{parameter}")
             of_entry["time"] = marks.plain(table["time_s"])
-            names = ("centre", "low", "high", "bound") if has_bound(ranking) else ("centre", "low", "high")
+            names = ("centre", "low", "high", "bound") if ranking.has_bound else ("centre", "low", "high")
             of_entry[parameter] = {name: marks.plain(table[name]) for name in names if np.isfinite(table[name]).all()}
         by_entry[row.entry] = of_entry
     return by_entry

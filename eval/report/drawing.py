@@ -1,4 +1,4 @@
-"""How every figure looks: sizes, colours that work on white and on black, and who has which colour."""
+"""The look of every figure: sizes, colours for white and for black, and the colour of each entry."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def colours(ranking: Ranking) -> dict[str, str]:
 
 
 def repeats(ranking: Ranking) -> dict[str, int]:
-    """How many entries before each have its colour."""
+    """The number of entries before each with its colour."""
     seen: dict[str, int] = {}
     counts: dict[str, int] = {}
     for entry, colour in colours(ranking).items():
@@ -80,6 +80,11 @@ def repeats(ranking: Ranking) -> dict[str, int]:
 def names(ranking: Ranking) -> dict[str, str]:
     """`3  slow opening` for every entry: its place, or a letter where it is not ranked, and its name."""
     return {row.entry: f"{ranking.mark(row)}  {words.label(row.entry)}" for row in ranking.rows}
+
+
+def floor(ranking: Ranking) -> float:
+    """Least true information that is drawn to scale: below it a single liar would flatten all others."""
+    return -0.1 * max(row["information_claimed"].value for row in ranking.rows)
 
 
 def log_percent(axes: Axes, which: str = "y", ticks: Sequence[float] = (0.5, 1, 2, 5, 10, 20, 50, 100)) -> None:

@@ -1,4 +1,4 @@
-"""Films of how entries move the first patient, drawn by the renderer from the motions that were kept."""
+"""Films of the first patient under each entry, drawn by the renderer from kept motions."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def beside(study: Results, ranking: Ranking) -> list[RankingRow]:
 
 
 def filmed(study: Results, ranking: Ranking, asked_rows: Sequence[RankingRow]) -> list[RankingRow]:
-    """The entries of `beside`, those that are wanted, and the next best where there is time for more."""
+    """The entries of `beside`, the wanted ones, and the next best where there is time for more."""
     rows = [row for row in ranking.rows if study.motions.get(row.entry)]
     asked = list(dict.fromkeys(row.entry for row in (*beside(study, ranking), *asked_rows) if row in rows))[:MOST]
     others = [row.entry for row in rows if row.entry not in asked]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from eval.comparison.admission import LARGEST_RINGING
-from eval.comparison.ranking import KNOWN, Ranking, RankingRow
+from eval.comparison.ranking import KNOWN, SOON, Ranking, RankingRow
 from eval.comparison.results import Results
 from eval.figures import words
+from eval.figures.catalogue import reaches, time_to
 from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.playing.rollout import DEFAULT_ENV
 
@@ -38,7 +38,7 @@ class Bars:
 
 
 def firsts(ranking: Ranking) -> tuple[RankingRow, ...]:
-    """The best five, and all entries that do not come with the project, in the order of the rows."""
+    """The best five, and all entries of one's own, in the order of the rows."""
     best = ranking.rows[:N_BEST]
     return tuple(row for row in ranking.rows if row in best or row.own)
 
@@ -50,7 +50,7 @@ def rest(ranking: Ranking) -> tuple[RankingRow, ...]:
 
 
 def answer(ranking: Ranking) -> str:
-    """Which entry is best, how soon all parameters are known by it, and on how many patients, in one sentence.
+    """One sentence on the best entry, the time until all parameters are known by it, and the patients.
 
     Before it the effects on the truth unknown to the filter, if any.
     """
@@ -69,7 +69,7 @@ def _answer(ranking: Ranking) -> str:
     if best is None:
         ahead = words.label(ranking.ranked[0].entry)
         return f"No maneuver is best on these {patients}: {ahead} is ahead, but its stated errors cannot be believed."
-    times = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
+    times = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN))
     which = "the only one ranked" if len(ranking.ranked) == 1 else "the best"
     half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
     return f"{which} is {words.label(best.entry)}: {half}, {ranking.sought} are {times}."
@@ -90,49 +90,43 @@ def assumption(study: Results) -> str:
 def _reached(row: RankingRow, target: float) -> str:
     """`within 5 % after 9.3 s`, as the median over the patients."""
     to = f"within {100.0 * target:g} %"
-    if math.isfinite(row.time_to[target].value):
-        return f"{to} after {words.number(row.time_to[target].value)} s"
-    share = row.share_to[target].value
+    seconds, share = row[time_to(target)].value, row[reaches(target)].value
+    if math.isfinite(seconds):
+        return f"{to} after {words.number(seconds)} s"
     return f"{to} only in {words.percent(share, 0)} % of all" if share else f"{to} in none"
 
 
 def belief(ranking: Ranking) -> tuple[bool, str]:
     """Whether the stated precision of the best entry can be believed, and its NEES, the band, and its alarm."""
     row = ranking.best or (ranking.ranked or ranking.rows)[0]
-    low, high = ranking.band
+    nees, rings = words.with_interval(row["nees"]), words.percent(row["rings"].value, 0)
+    low, high = map(words.number, ranking.band)
     because = (
-        f"the NEES of {words.label(row.entry)} is {words.with_interval(row.nees)}, calibrated error bars give "
-        f"{words.number(low)} to {words.number(high)}; the alarm rings in {words.percent(row.rings.value, 0)} % of "
-        f"the episodes, allowed are {words.percent(LARGEST_RINGING, 0)} %."
+        f"the NEES of {words.label(row.entry)} is {nees}, calibrated error bars give {low} to {high}; the alarm rings "
+        f"in {rings} % of the episodes, allowed are {words.percent(LARGEST_RINGING, 0)} %."
     )
     return ranking.believes(row), because
 
 
 def bars(ranking: Ranking, row: RankingRow, episode_s: float) -> Bars:
-    """How soon, how sure and how comfortable; a fuller bar is better.
+    """Bars of speed, sureness and comfort; a fuller one is better.
 
     Args:
         ranking: of the study.
         row: of the entry.
         episode_s: length of the episodes, in which the first bar is empty where nothing becomes known.
     """
-    seconds, worst, allowed = row.time_to[KNOWN].value, row.worst_sd_median.value, ranking.admission
-    over = row.violated.value > allowed.violation
-    cost, most = row.discomfort_rate, allowed.discomfort_s
+    seconds, worst, cost, violated = (row[name].value for name in (SOON, "worst_sd", "discomfort_rate", "violated"))
+    over, most = violated > ranking.admission.violation, ranking.admission.discomfort_s
     spared = 1.0 - cost / most if most else float(not cost)
     spent = f"{words.number(cost, 2)} s"
-    if row.violated.value:
-        spent += f", hard limit in {words.percent(row.violated.value, 0)} %"
+    if violated:
+        spent += f", hard limit in {words.percent(violated, 0)} %"
     return Bars(
         Bar(f"{words.number(seconds)}{' s' if math.isfinite(seconds) else ''}", _within(1.0 - seconds / episode_s)),
         Bar(f"{words.percent(worst)} %", 0.0 if row.false_sd else _within(1.0 - worst / LEAST_SURE)),
         Bar(spent, 0.0 if over else _within(spared)),
     )
-
-
-def all_bars(ranking: Ranking, episode_s: float, rows: Iterable[RankingRow]) -> list[tuple[RankingRow, Bars]]:
-    """Rows with their bars."""
-    return [(row, bars(ranking, row, episode_s)) for row in rows]
 
 
 def _within(share: float) -> float:

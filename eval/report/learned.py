@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from agents.evaluations import CURVES, read_evaluations
-from eval.comparison.ranking import KNOWN, Ranking, RankingRow
+from eval.comparison.ranking import KNOWN, SOON, Ranking, RankingRow
 from eval.comparison.results import Results
+from eval.comparison.trainings import difference
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
 from eval.report import marks
@@ -46,8 +47,8 @@ class Learned:
 
     @property
     def sooner(self) -> str:
-        """How soon all parameters are known, before and after."""
-        before, after = (row.time_to[KNOWN].value for row in (self.base, self.entry))
+        """Times until all parameters are known, before and after."""
+        before, after = (row[SOON].value for row in (self.base, self.entry))
         times = [f"after {words.number(time)} s" if math.isfinite(time) else "never" for time in (before, after)]
         base, entry = words.label(self.base.entry), words.label(self.entry.entry)
         known = f"In half of the patients all parameters are within {100.0 * KNOWN:g} %"
@@ -55,7 +56,7 @@ class Learned:
 
     @property
     def gain(self) -> tuple[str, Interval]:
-        """When, and the worst sd as a share of the base's on the same patient."""
+        """The moment, and the worst sd then as a share of the base's on the same patient."""
         when, log = (f"after {EARLY_S:g} s", self.early) if self.early.known else ("at the end", self.end)
         return when, Interval(*(math.exp(end) for end in (log.value, log.low, log.high)))
 
@@ -74,8 +75,8 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
                 entry,
                 base,
                 corrected[1],
-                _difference(study, entry, base, "early_worst_sd"),
-                _difference(study, entry, base, "worst_sd"),
+                statistics.mean(difference(study, "early_worst_sd", entry.entry, base.entry)),
+                statistics.mean(difference(study, "worst_sd", entry.entry, base.entry)),
                 _changes(study.motions.get(base.entry), study.motions.get(entry.entry), study.about),
             )
         )
@@ -90,11 +91,6 @@ def _corrected(folder: Path) -> tuple[str, int] | None:
         return None
     residual = None if card is None else card[1].residual
     return None if residual is None or not table else (residual.maneuver.name, int(table[-1]["steps"]))
-
-
-def _difference(study: Results, entry: RankingRow, base: RankingRow, column: str) -> Interval:
-    own, other = (study.of(row.entry)[column].to_numpy() for row in (entry, base))
-    return statistics.difference(np.log(own), np.log(other))
 
 
 def _changes(
@@ -165,7 +161,7 @@ def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: st
 
 
 def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
-    """Evaluations by the number of the row, of the runs that are still where they were."""
+    """Evaluations by the number of the row, of runs still in place."""
     by_row, notes = {}, []
     for i, row in enumerate(ranking.rows):
         if row.entry not in specs or not Path(specs[row.entry]).is_dir():

@@ -30,7 +30,7 @@ _SD_TICKS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 
 
 def entries(ranking: Ranking) -> list[dict[str, Any]]:
-    """Name, place and look of every row, in their order; those that share a colour differ in dash and in marker."""
+    """Name, place and look of every row, in their order; rows of one colour differ in dash and in marker."""
     colour, before, first = drawing.colours(ranking), drawing.repeats(ranking), {row.entry for row in firsts(ranking)}
     palette = list(dict.fromkeys(colour.values()))
     return [
@@ -161,5 +161,5 @@ def band(ranking: Ranking, axis: str) -> Chart:
 
 
 def plain(values: Array) -> list[float | None]:
-    """Numbers as JSON has them: four significant digits, and nothing where there is none."""
+    """Numbers for JSON: four significant digits, and nothing where there is none."""
     return [float(f"{value:.4g}") if math.isfinite(value) else None for value in values]

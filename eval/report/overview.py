@@ -26,16 +26,16 @@ def _overview(study: Results, ranking: Ranking) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
     colour = drawing.colours(ranking)
     rng = np.random.default_rng(0)
-    floor = _floor(ranking)
+    floor = drawing.floor(ranking)
     for y, row in enumerate(ranking.rows):
-        _bar(left, row.information_true, y, colour[row.entry], floor)
-        left.plot(row.information_claimed.value, y, "d", mfc="none", mec=colour[row.entry], ms=6)
-        left.plot(row.information_bound.value, y, "|", color=REFERENCE, ms=13, mew=1.6)
+        _bar(left, row["information_true"], y, colour[row.entry], floor)
+        left.plot(row["information_claimed"].value, y, "d", mfc="none", mec=colour[row.entry], ms=6)
+        left.plot(row["information_bound"].value, y, "|", color=REFERENCE, ms=13, mew=1.6)
         worst = study.of(row.entry)["worst_sd"].to_numpy()
         shaken = y + rng.uniform(-0.24, 0.24, len(worst))
         right.scatter(worst, shaken, s=7, color=colour[row.entry], alpha=0.35, lw=0, rasterized=len(worst) > 200)
-        _bar(right, row.worst_sd_median, y, colour[row.entry])
-        right.plot(row.worst_sd_p90.value, y, "|", color=INK, ms=12, mew=1.6)
+        _bar(right, row["worst_sd"], y, colour[row.entry])
+        right.plot(row["worst_sd_p90"].value, y, "|", color=INK, ms=12, mew=1.6)
     left.plot([], [], "o", color=INK, label="true, with interval")
     left.plot([], [], "d", mfc="none", mec=INK, label="claimed")
     left.plot([], [], "|", color=REFERENCE, ms=11, mew=1.6, label="bound")
@@ -70,8 +70,3 @@ def _bar(axes: Axes, estimate: Interval, y: float, colour: str, floor: float = -
         ends = [max(estimate.low, floor), estimate.high]
         axes.plot(ends, [y, y], color=colour, lw=2.6, solid_capstyle="butt")
     axes.plot(estimate.value, y, "o", color=colour, ms=6.5, mec="white", mew=0.8, zorder=3)
-
-
-def _floor(ranking: Ranking) -> float:
-    """True information below which an entry is not drawn to scale: a single liar would flatten all others."""
-    return -0.1 * max(row.information_claimed.value for row in ranking.rows)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +15,16 @@ import numpy as np
 from markupsafe import Markup
 
 from eval.comparison.admission import LARGEST_RINGING
-from eval.comparison.ranking import SIGMAS, Ranking
+from eval.comparison.ranking import Ranking, RankingRow
 from eval.comparison.results import Results
-from eval.comparison.trainings import adaptations
+from eval.comparison.trainings import adaptations, verdict
 from eval.figures import words
 from eval.figures.statistics import RESAMPLES
 from eval.report import charts, films, first, marks, template
 from eval.report.learned import learned, learning_charts
 from eval.rows.outcomes import EARLY_S
 from jawenv.anatomy.muscles import SIDES
-from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
+from jawenv.metrics import CONFIDENCE, TARGETS
 
 ASSETS = Path(__file__).parent / "assets"
 
@@ -42,6 +43,17 @@ def write(study: Results, ranking: Ranking, path: Path) -> Path:
     return template.write(render(study, ranking), path)
 
 
+CONSTANTS: Mapping[str, Any] = {
+    "confidence": CONFIDENCE,
+    "early_s": EARLY_S,
+    "largest_ringing": LARGEST_RINGING,
+    "least_sure": first.LEAST_SURE,
+    "resamples": RESAMPLES,
+    "targets": TARGETS,
+    "terms": template.TERMS,
+}
+
+
 def render(study: Results, ranking: Ranking) -> str:
     """The report as HTML text.
 
@@ -49,12 +61,12 @@ def render(study: Results, ranking: Ranking) -> str:
         study: results of all entries.
         ranking: of the same study.
     """
-    learning, learning_notes = learning_charts(study, ranking)
-    learnt = learned(study, ranking)
-    filmed = films.filmed(study, ranking, [row for lesson in learnt for row in (lesson.base, lesson.entry)])
+    lessons = learned(study, ranking)
+    filmed = films.filmed(study, ranking, [row for lesson in lessons for row in (lesson.base, lesson.entry)])
+    entries, (learning, notes) = marks.entries(ranking), learning_charts(study, ranking)
     titles = [words.parameter(name) for name in ranking.parameters]
     data: dict[str, Any] = {
-        "entries": marks.entries(ranking),
+        "entries": entries,
         "charts": charts.all_charts(study, ranking) | learning,
         "parameters": [{"key": key, "title": title} for key, title in zip(ranking.parameters, titles, strict=True)],
         "curves": charts.curves(study, ranking),
@@ -65,57 +77,63 @@ def render(study: Results, ranking: Ranking) -> str:
     }
     return template.render(
         "report.html.j2",
-        ranking=ranking,
-        largest_ringing=LARGEST_RINGING,
-        adaptations=adaptations(study),
-        early_s=EARLY_S,
-        sigmas=SIGMAS,
         about=study.about,
-        answer=first.answer(ranking),
-        assumption=first.assumption(study),
-        belief=first.belief(ranking),
-        bars=first.all_bars(ranking, _episode_s(study), first.firsts(ranking)),
-        bars_of_rest=first.all_bars(ranking, _episode_s(study), first.rest(ranking)),
-        rest=first.rest(ranking),
-        beside=films.beside(study, ranking),
-        filmed=filmed,
-        longest_s=films.LONGEST_S,
-        speed=films.SPEED,
-        knowledge=films.colours(),
-        least_sure=first.LEAST_SURE,
-        terms=template.TERMS,
-        has_bound=charts.has_bound(ranking),
-        muscles=[words.muscle(name) for name in ranking.parameters[::2]],
-        parameter_titles=titles,
-        sided=any(name.endswith(SIDES) for name in ranking.parameters),
-        shrinks=1.0 - math.exp(-1.0 / ranking.n_parameters),
-        fibrosed_F_o_N=FIBROSED_F_O_N * whole_muscles_per_line(ranking.parameters),
-        blocked_b=BLOCKED_B,
-        confidence=CONFIDENCE,
-        resamples=RESAMPLES,
-        limits=_limits(study),
-        use=_use_of_limits(study, ranking),
-        learning=list(learning),
-        learning_entries=_entries_in(learning, data["entries"]),
-        learning_notes=learning_notes,
-        learned=learnt,
-        played=_played(study),
-        data=_embedded(data),
-        plotly=Markup((ASSETS / "plotly-basic.min.js").read_text(encoding="utf-8")),  # noqa: S704  (ours)
-        assets={file.name: Markup(file.read_text(encoding="utf-8")) for file in _own_assets()},  # noqa: S704
+        ranking=ranking,
+        constants=CONSTANTS,
+        model=_model(ranking, titles),
+        answer=_answer(study, ranking),
+        films=_films(study, ranking, filmed),
+        comfort={"limits": _limits(study), "use": _use_of_limits(study, ranking)},
+        adaptations=adaptations(study),
+        verdict=verdict,
+        diagnoses={row.entry: study.diagnoses(row.entry) for row in ranking.rows},
+        learning={
+            "lessons": lessons,
+            "charts": list(learning),
+            "entries": _entries_in(learning, entries),
+            "notes": notes,
+        },
+        embedded=_embedded(data),
     )
 
 
-def _episode_s(study: Results) -> float:
-    """Length of the longest episode."""
-    return float(study.patients["duration_s"].max())
+def _model(ranking: Ranking, titles: list[str]) -> dict[str, Any]:
+    """The muscles and their parameters in words."""
+    return {
+        "muscles": [words.muscle(name) for name in ranking.parameters[::2]],
+        "parameters": titles,
+        "sided": any(name.endswith(SIDES) for name in ranking.parameters),
+        "shrinks": 1.0 - math.exp(-1.0 / ranking.n_parameters),
+    }
 
 
-def _played(study: Results) -> str:
-    """Whose motion is shown."""
+def _answer(study: Results, ranking: Ranking) -> dict[str, Any]:
+    """The first screen."""
+    longest_s, rest = float(study.patients["duration_s"].max()), first.rest(ranking)
+    believed, because = first.belief(ranking)
+    return {
+        "sentence": first.answer(ranking),
+        "assumption": first.assumption(study),
+        "believed": believed,
+        "because": because,
+        "bars": [(row, first.bars(ranking, row, longest_s)) for row in first.firsts(ranking)],
+        "bars_of_rest": [(row, first.bars(ranking, row, longest_s)) for row in rest],
+        "rest": rest,
+    }
+
+
+def _films(study: Results, ranking: Ranking, filmed: list[RankingRow]) -> dict[str, Any]:
+    """The films, and whose motion they show."""
     first_seed = study.about["settings"]["seed"]
     seed = study.about.get("played_seed", first_seed)
-    return f"the {'first ' if seed == first_seed else ''}patient (seed {seed})"
+    return {
+        "filmed": filmed,
+        "beside": [("The best: " if row is ranking.best else "", row) for row in films.beside(study, ranking)],
+        "longest_s": films.LONGEST_S,
+        "speed": films.SPEED,
+        "knowledge": films.colours(),
+        "played": f"the {'first ' if seed == first_seed else ''}patient (seed {seed})",
+    }
 
 
 def _entries_in(traced: dict[str, marks.Chart], entries: list[dict[str, Any]]) -> list[str]:
@@ -124,18 +142,20 @@ def _entries_in(traced: dict[str, marks.Chart], entries: list[dict[str, Any]]) -
     return [f"{entries[i]['place']} {entries[i]['name']}" for i in numbers]
 
 
-def _own_assets() -> list[Path]:
-    return [file for file in ASSETS.iterdir() if file.suffix in (".css", ".js") and "plotly" not in file.name]
+def _embedded(data: dict[str, Any]) -> dict[str, Markup]:
+    """Styles and scripts by the names of their files, and ``plotly`` and ``data``.
 
-
-def _embedded(data: dict[str, Any]) -> Markup:
-    """JSON that may stand inside a script element: no text in it can end the element."""
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
-    return Markup(text.replace("<", "\\u003c"))  # noqa: S704
+    JSON may stand inside a script element: no text in it can end the element.
+    """
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    own = [file for file in ASSETS.iterdir() if file.suffix in (".css", ".js") and "plotly" not in file.name]
+    texts = {file.name: file.read_text(encoding="utf-8") for file in own}
+    texts |= {"plotly": (ASSETS / "plotly-basic.min.js").read_text(encoding="utf-8"), "data": text}
+    return {name: Markup(text) for name, text in texts.items()}  # noqa: S704  (ours)
 
 
 def _limits(study: Results) -> list[str]:
-    """Names of the comfort limits; none in results that are older than their columns."""
+    """Names of the comfort limits; none in results from before their columns."""
     return [name.removeprefix("used/") for name in map(str, study.patients) if name.startswith("used/")]
 
 

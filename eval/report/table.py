@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval.comparison.ranking import KNOWN, Ranking, RankingRow
-from eval.comparison.trainings import FIGURES, Adaptation, Gain
+from eval.comparison.ranking import KNOWN, SOON, Ranking, RankingRow
+from eval.comparison.trainings import DIFFERENCES, Gain, verdict
 from eval.figures import words
+from eval.figures.catalogue import DIFFERENCE, FIGURES, SIGMAS, reaches, time_to
 from eval.figures.statistics import Interval
 from eval.figures.tables import Table as WrittenTable
 from eval.figures.tables import printed_table
@@ -19,6 +20,7 @@ from eval.report import first
 from eval.report.learned import Learned
 from eval.rows.outcomes import EARLY_S
 from jawenv.files import write_text
+from jawenv.metrics import TARGETS
 
 _COLOUR = {"calibrated": "green", "overconfident": "red", "cautious": "yellow"}
 GAINS_SHOWN = ("early_worst_sd", "worst_sd", "information_true", "discomfort_s")
@@ -27,7 +29,7 @@ _MEANING = {"calibrated": "right", "overconfident": "too small", "cautious": "to
 
 
 def show(ranking: Ranking, console: Console, *, details: bool = False) -> None:
-    """Print the best entries in one short table; in detail all of them, how honestly, and at what discomfort.
+    """Print the best entries in one short table; in detail all of them with honesty and discomfort.
 
     Args:
         ranking: see `eval.comparison.ranking.rank`.
@@ -69,154 +71,132 @@ def _show_all(ranking: Ranking, console: Console) -> None:
     )
 
 
-def show_adaptations(adaptations: tuple[Adaptation, ...], console: Console) -> None:
+def show_adaptations(adaptations: tuple[Gain, ...], console: Console) -> None:
     """Print how much better entries are than their replays; nothing where none was replayed."""
     if not adaptations:
         return
-    table = _table(
+    table = _below(
         "Does it adapt? The log of the worst sd less that of its own targets, replayed without looking",
-        f"after {EARLY_S:g} s",
-        "verdict",
-        "at the end",
-        "verdict",
+        (f"after {EARLY_S:g} s", "verdict", "at the end", "verdict"),
     )
     for number, adaptation in enumerate(adaptations, 1):
-        table.add_row(
-            str(number),
-            f"{words.label(adaptation.entry)}\nagainst {words.label(adaptation.replay)}",
-            _both(adaptation.early, 2),
-            adaptation.verdict(adaptation.early),
-            _both(adaptation.end, 2),
-            adaptation.verdict(adaptation.end),
-        )
+        early, end = (adaptation.figures[name] for name in ("early_worst_sd", "worst_sd"))
+        name = f"{words.label(adaptation.name)}\nagainst {words.label(adaptation.against)}"
+        table.add_row(str(number), name, _both(early, 2), verdict(early), _both(end, 2), verdict(end))
     console.print(table)
 
 
-def _table(title: str, *columns: str) -> Table:
+def _below(title: str, headings: Iterable[str]) -> Table:
+    """A table of maneuvers without rows as yet."""
     table = printed_table(title)
     table.add_column("#", justify="right")
     table.add_column("maneuver", min_width=16)
-    for column in columns:
-        table.add_column(column, justify="right")
+    for heading in headings:
+        table.add_column(heading, justify="right")
     return table
 
 
-def _precision(ranking: Ranking) -> Table:
-    table = _table(
-        f"How well {ranking.sought} of {ranking.env} are known at the end",
-        "true info\nnats",
-        "minus that of\nthe reference",
-        "worst sd, %\nmedian",
-        "\np90",
-        "\nmax",
-        f"NEES\ncalibrated: {ranking.n_parameters}",
-        "error bars\nare",
-    )
-    for row in _rows(ranking, table):
-        kind = ranking.calibration(row)
-        table.add_row(
-            ranking.mark(row),
-            _name(row),
-            _both(row.information_true),
-            "reference" if row.difference is None else _both(row.difference),
-            _both(words.scaled(row.worst_sd_median, 100.0)),
-            words.percent(row.worst_sd_p90.value),
-            words.percent(row.worst_sd_max),
-            _both(row.nees),
-            Text(_MEANING[kind], style=_COLOUR[kind]),
-        )
+def _table(ranking: Ranking, title: str, columns: Sequence[Column]) -> Table:
+    """All rows, with a line between ranked ones and the others."""
+    table = _below(title, (heading.format(parameters=ranking.n_parameters) for heading, _ in columns))
+    for row in ranking.rows:
+        if ranking.others and row is ranking.others[0] and ranking.ranked:
+            table.add_section()
+        table.add_row(ranking.mark(row), _name(row, row.note), *(cell(row) for _, cell in columns))
     return table
 
 
 def _short(ranking: Ranking) -> Table:
-    table = _table(
-        f"How soon {ranking.sought} are known, in half of {ranking.patients} patients",
-        *(f"within\n{100.0 * target:g} %, s" for target in (first.NEARLY_KNOWN, KNOWN)),
-        "worst sd\n%",
-        "discomfort\ns per 30 s",
-        "error bars\nare",
-    )
+    columns = [
+        *(_figure(time_to(target), f"within\n{100.0 * target:g} %, s") for target in (first.NEARLY_KNOWN, KNOWN)),
+        _figure("worst_sd", "worst sd\n%", 1),
+        _figure("discomfort_rate"),
+        _error_bars(ranking),
+    ]
+    title = f"How soon {ranking.sought} are known, in half of {ranking.patients} patients"
+    table = _below(title, (heading for heading, _ in columns))
     for row in first.firsts(ranking):
-        kind = ranking.calibration(row)
-        name = Text(words.label(row.entry), style="bold magenta" if row.trained else "")
-        if row.excluded:
-            name.append(f"\nnot ranked: {row.excluded}", style="dim")
-        table.add_row(
-            ranking.mark(row),
-            name,
-            *(_time_to(row, target) for target in (first.NEARLY_KNOWN, KNOWN)),
-            words.percent(row.worst_sd_median.value),
-            words.number(row.discomfort_rate, 2),
-            Text(_MEANING[kind], style=_COLOUR[kind]),
-        )
+        reason = f"not ranked: {row.excluded}" if row.excluded else ""
+        table.add_row(ranking.mark(row), _name(row, reason), *(cell(row) for _, cell in columns))
     return table
-
-
-def _time_to(row: RankingRow, target: float) -> str:
-    return words.number(row.time_to[target].value) if target in row.time_to else words.NOTHING
 
 
 def _speed(ranking: Ranking) -> Table:
-    targets = list(ranking.rows[0].time_to)
+    columns: list[Column] = []
+    for target in TARGETS:
+        known, heading = target == KNOWN, f"{100.0 * target:g} %, s\nmedian"
+        columns.append(_figure(time_to(target), heading, ends=known))
+        columns += [_figure(f"{SOON}_p90", "\np90")] if known else []
+        columns.append(_figure(reaches(target), "share\n%", 0))
+    title = "Ranking: how soon all are known, as the time until the worst sd is within a target"
+    return _table(ranking, title, [*columns, _figure("identified")])
+
+
+def _precision(ranking: Ranking) -> Table:
     columns = [
-        column
-        for target in targets
-        for column in (f"{100.0 * target:g} %, s\nmedian", "\np90", "share\n%")
-        if target == KNOWN or not column.startswith("\n")
+        _figure("information_true", "true info\nnats", ends=True),
+        ("minus that of\nthe reference", _against),
+        _figure("worst_sd", "worst sd, %\nmedian", 1, ends=True),
+        _figure("worst_sd_p90", "\np90", 1),
+        _figure("worst_sd_max", "\nmax", 1),
+        _figure("nees", ends=True),
+        _error_bars(ranking),
     ]
-    table = _table(
-        "Ranking: how soon all are known, as the time until the worst sd is within a target",
-        *columns,
-        f"known\nof {ranking.n_parameters}",
-    )
-    for row in _rows(ranking, table):
-        figures: list[str | Text] = []
-        for target in targets:
-            figures.append(_both(row.time_to[target]) if target == KNOWN else words.number(row.time_to[target].value))
-            figures += [words.number(row.time_to_p90[target].value)] if target == KNOWN else []
-            figures.append(words.percent(row.share_to[target].value, 0))
-        table.add_row(ranking.mark(row), _name(row), *figures, words.number(row.identified.value))
-    return table
-
-
-def _rows(ranking: Ranking, table: Table) -> Iterator[RankingRow]:
-    """All rows, with a line in the table above the first that is not ranked."""
-    for row in ranking.rows:
-        if ranking.others and row is ranking.others[0] and ranking.ranked:
-            table.add_section()
-        yield row
+    return _table(ranking, f"How well {ranking.sought} of {ranking.env} are known at the end", columns)
 
 
 def _trust(ranking: Ranking) -> Table:
-    table = _table(
-        "Whether that can be believed, and what it costs the patient",
-        "inside 1/2/3 sd\n68/95/99.7 %",
-        "claimed − true\nnats",
-        "RMSE /\nbound",
-        "discomfort\ns, % above",
-        "violating\nepisodes, %",
-        "alarm\nrings, %",
-        "governor\n%",
-    )
-    for row in _rows(ranking, table):
-        table.add_row(
-            ranking.mark(row),
-            _name(row),
-            "/".join(words.percent(inside.value, sigmas // 3) for sigmas, inside in row.inside.items()),
-            _both(row.honesty_gap),
-            words.number(row.rmse_over_bound.value, 2),
-            f"{words.number(row.discomfort_s.value, 2)}\n{words.percent(row.above_limit.value)} %",
-            words.percent(row.violated.value),
-            words.percent(row.rings.value),
-            words.percent(row.governor.value),
-        )
-    return table
+    columns = [
+        ("inside 1/2/3 sd\n68/95/99.7 %", _inside),
+        _figure("honesty_gap", "claimed − true\nnats", ends=True),
+        _figure("rmse_over_bound"),
+        ("discomfort\ns, % above", _discomfort),
+        *map(_figure, ("violated", "rings", "governor")),
+    ]
+    return _table(ranking, "Whether that can be believed, and what it costs the patient", columns)
 
 
-def _name(row: RankingRow) -> Text:
+Column = tuple[str, Callable[[RankingRow], str | Text]]
+"""A heading, in which ``{parameters}`` stands for their number, and what stands below it."""
+
+
+def _figure(name: str, heading: str = "", digits: int | None = None, *, ends: bool = False) -> Column:
+    """A figure below a heading, or its own, with the ends of its interval or without."""
+    figure = FIGURES[name]
+    shown = figure.digits if digits is None else digits
+
+    def cell(row: RankingRow) -> str | Text:
+        return _both(figure.scaled(row[name]), shown) if ends else figure.value(row[name], shown)
+
+    return heading or figure.narrow, cell
+
+
+def _error_bars(ranking: Ranking) -> Column:
+    def meaning(row: RankingRow) -> Text:
+        kind = ranking.calibration(row)
+        return Text(_MEANING[kind], style=_COLOUR[kind])
+
+    return "error bars\nare", meaning
+
+
+def _against(row: RankingRow) -> str | Text:
+    return _both(row[DIFFERENCE]) if DIFFERENCE in row.figures else "reference"
+
+
+def _inside(row: RankingRow) -> str:
+    shares = {sigmas: f"inside_{sigmas}_sigma" for sigmas in SIGMAS}
+    return "/".join(FIGURES[name].value(row[name], sigmas // 3) for sigmas, name in shares.items())
+
+
+def _discomfort(row: RankingRow) -> str:
+    mean, above = (FIGURES[name].value(row[name], digits) for name, digits in (("discomfort_s", 2), ("above_limit", 1)))
+    return f"{mean}\n{above} %"
+
+
+def _name(row: RankingRow, remark: str) -> Text:
     name = Text(words.label(row.entry), style="bold magenta" if row.trained else "")
-    if row.note:
-        name.append(f"\n{row.note}", style="dim")
+    if remark:
+        name.append(f"\n{remark}", style="dim")
     return name
 
 
@@ -233,23 +213,23 @@ def show_gains(gains: tuple[Gain, ...], console: Console) -> None:
     table = printed_table("Trained and planned entries, patient by patient: mean differences")
     table.add_column("entry", min_width=16)
     for figure in GAINS_SHOWN:
-        table.add_column(FIGURES[figure].title, justify="right")
+        table.add_column(DIFFERENCES[figure].title, justify="right")
     for gain in gains:
         entry = Text(words.label(gain.name) + (f", {gain.seeds} seeds" if gain.seeds > 1 else ""))
         entry.append(f"\nagainst {words.label(gain.against)}", style="dim")
-        table.add_row(entry, *(_both(gain.figures[name], FIGURES[name].digits) for name in GAINS_SHOWN))
+        table.add_row(entry, *(_both(gain.figures[name], DIFFERENCES[name].digits) for name in GAINS_SHOWN))
     console.print(table)
 
 
 def write_gains(gains: tuple[Gain, ...], path: Path) -> None:
     """Write all figures as a Markdown table."""
-    head = ["contestant", "against", "seeds", *(figure.title for figure in FIGURES.values())]
+    head = ["contestant", "against", "seeds", *(figure.title for figure in DIFFERENCES.values())]
     rows = [
         [
             words.label(gain.name),
             words.label(gain.against),
             str(gain.seeds),
-            *(words.with_interval(gain.figures[name], figure.digits) for name, figure in FIGURES.items()),
+            *(words.with_interval(gain.figures[name], figure.digits) for name, figure in DIFFERENCES.items()),
         ]
         for gain in gains
     ]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
 from eval.figures import words
@@ -37,6 +37,7 @@ _COLOURS = {
     drawing.REFERENCE: "var(--muted)",
     "stroke: #ffffff": "stroke: var(--page)",
 }
+_TERM = re.compile(rf"\b({'|'.join(TERMS)})\b")
 _NAME = re.compile(r'(\bid="|url\(#|href="#)')
 _PATH = re.compile(r'\bd="[^"]*"')
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{2,}")
@@ -64,7 +65,8 @@ def render(name: str, folder: Path = TEMPLATES, **values: Any) -> str:
         "label": words.label,
         "raw": words.raw,
         "term": term,
-        "in_percent": lambda estimate: words.scaled(estimate, 100.0),
+        "scaled": words.scaled,
+        "with_terms": with_terms,
     }
     return environment.get_template(name).render(**values)
 
@@ -76,6 +78,12 @@ def term(word: str) -> Markup:
         KeyError: a word that is not among ``TERMS``.
     """
     return Markup('<abbr title="{}">{}</abbr>').format(TERMS[word], word)
+
+
+def with_terms(text: str) -> Markup:
+    """A text in lines, its terms explained under the pointer."""
+    parts = (term(part) if part in TERMS else escape(part) for part in _TERM.split(text))
+    return Markup("").join(parts).replace("\n", Markup("<br>"))
 
 
 def write(page: str, path: Path) -> Path:
@@ -116,5 +124,5 @@ def picture(figure: Figure, name: str, label: str, colours: Mapping[str, str] | 
 
 
 def _shorter(number: re.Match[str]) -> str:
-    """A coordinate to a tenth of a point, which is less than a pixel."""
+    """A coordinate to a tenth of a point, less than a pixel."""
     return f"{float(number.group()):.1f}"

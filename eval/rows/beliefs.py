@@ -121,13 +121,13 @@ def _judge(recording: Recording, world: int, estimate: Estimate, time: float) ->
 
 
 def _energy_score(error: Array, cov: Array) -> float:
-    """Of a normal belief: mean distance of its draws from the truth less half of that between two of them."""
+    """Mean distance of a normal belief's draws from the truth less half of that between two of them."""
     draws = np.random.default_rng(0).multivariate_normal(error, cov, DRAWS, method="cholesky")
     return float(es_ensemble(np.zeros(len(error)), draws, estimator="akr", backend="numpy"))
 
 
 def index_of(times: Array, time: float) -> int:
-    """Number of the kept time that is meant."""
+    """Number of the kept time nearest to a time."""
     index = int(np.abs(times - time).argmin())
     if abs(float(times[index]) - time) > LATE:
         raise InputError(f"times is {time:g}; allowed: multiples of the control step, {float(times[1]):g} s")

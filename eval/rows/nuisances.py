@@ -75,7 +75,7 @@ class NuisanceBeliefs:
 
 
 def figures_of(simulation: Any, world: int) -> dict[str, float]:
-    """For each group the mean of (error / sd) squared, and of the sds that are left of the prior's."""
+    """Mean of (error / sd) squared of each group, and of its sds as shares of the prior's."""
     mean, sd = belief_of_nuisances(simulation, world)
     squares: NDArray[np.float64] = np.square((mean - simulation.worlds["truth"]["nuisances"][world]) / sd)
     groups = np.array([group_of(direction) for direction in simulation.nuisance_sds])

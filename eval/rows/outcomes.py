@@ -127,7 +127,7 @@ def without_times(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def curves(rows: pd.DataFrame) -> pd.DataFrame:
-    """How quantiles and means over the patients of one entry change with time.
+    """Quantiles and means over the patients of one entry, over time.
 
     Args:
         rows: of `outcomes_of`.

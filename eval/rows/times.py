@@ -57,13 +57,13 @@ def completed(recording: Recording) -> npt.NDArray[np.bool_]:
 
 
 def restricted(time: Array, episode_s: float) -> Array:
-    """Times (N,) in s, those who never get there counted as the length of the episode."""
+    """Times (N,) in s, `never` counted as the length of the episode."""
     return np.minimum(time, episode_s)
 
 
 @dataclass(frozen=True)
 class Times(Rows):
-    """When the truth is found."""
+    """The time at which the truth is found."""
 
     columns = COLUMNS
     made_by: ClassVar[tuple[ModuleType, ...]] = (outcomes,)

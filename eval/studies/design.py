@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from eval.studies.metrics import DEFAULT_METRICS, METRICS
+from eval.figures.catalogue import FIGURES
 from jawenv.anatomy import cohort
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.force_sensor import ForceSensor
@@ -21,6 +21,7 @@ from jawenv.reality import check_reality
 
 FOLDER = Path(__file__).parent
 MOST_PATIENTS = 1_000_000
+DEFAULT_METRICS = ("information_true", "worst_sd", "time_to_5", "nees_per_parameter", "discomfort_s")
 
 
 def _named(field: str) -> BeforeValidator:
@@ -60,7 +61,7 @@ class EnvironmentChoice(InputModel):
 
     @property
     def name(self) -> str:
-        """As tables call it."""
+        """The name in tables."""
         filters = f", {self.estimator} filter" if self.estimator else ""
         return self.env + filters + (f", {self.knowledge}" if self.knowledge else "")
 
@@ -81,7 +82,7 @@ class Side(InputModel):
         return {name: value for name, value in self if value is not None}
 
     def __str__(self) -> str:
-        """As tables call it."""
+        """The name in tables."""
         return ", ".join(
             str(value) if name == "entry" else f"{name} {value}".removesuffix(".0")
             for name, value in self.given.items()
@@ -111,7 +112,7 @@ class Design(InputModel):
     """How many; patient i is drawn, and its noise made, by the seed `seed + i`."""
     seed: int = Field(ge=0, le=LARGEST_SEED)  # of the first patient
     episode_s: Number = Field(default=30.0, gt=0.0)  # length of every episode, s
-    metrics: tuple[str, ...] = Field(default=DEFAULT_METRICS, min_length=1)  # names of `eval.studies.metrics.METRICS`
+    metrics: tuple[str, ...] = Field(default=DEFAULT_METRICS, min_length=1)  # names of `eval.figures.catalogue.FIGURES`
     pairs: tuple[Pair, ...] = ()  # comparisons patient by patient
 
     @field_validator(
@@ -151,8 +152,8 @@ class Design(InputModel):
     @classmethod
     def _known_metrics(cls, names: tuple[str, ...]) -> tuple[str, ...]:
         for name in names:
-            if name not in METRICS:
-                raise ValueError(f"names {shown(name)}; allowed: {', '.join(METRICS)}")
+            if name not in FIGURES:
+                raise ValueError(f"names {shown(name)}; allowed: {', '.join(FIGURES)}")
         return names
 
 

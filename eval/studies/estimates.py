@@ -1,4 +1,4 @@
-"""From the patients of a study to all patients: figures of cells, paired comparisons, performance profiles.
+"""Estimates for all patients from those of a study: figures of cells, paired comparisons, performance profiles.
 
 Intervals are over patients, 95 %. Probabilities of improvement and profiles are those that Agarwal et al. (2021,
 NeurIPS 34:29304, `rliable`) recommend, with patients for runs and settings for tasks. Two things differ. Both sides of
@@ -17,29 +17,15 @@ import numpy.typing as npt
 import pandas as pd
 
 from eval.figures import statistics
-from eval.figures.statistics import UNKNOWN, Interval
+from eval.figures.catalogue import FIGURES
+from eval.figures.statistics import UNKNOWN
 from eval.studies.design import Design, Pair
 from eval.studies.grid import FACTORS, Levels, matches
-from eval.studies.metrics import COMPARED, METRICS
 
 Array = npt.NDArray[np.float64]
 ALL = "all settings"
-QUANTILES = {"median": 0.5, "p90": 0.9}
 _SD_LEVELS = np.geomspace(0.005, 1.0, 70)
 _TIMES = 61
-
-
-def _values(rows: pd.DataFrame, metric: str) -> Array:
-    """(N,) values of a metric; parameters are the columns that are not NaN for the rows' environment."""
-    truths = rows.filter(like="truth/").iloc[:1]
-    return METRICS[metric].of(rows, int(truths.notna().to_numpy().sum()))
-
-
-def _with_interval(values: Array, metric: str) -> Interval:
-    if np.isnan(values).any():
-        return UNKNOWN
-    statistic = METRICS[metric].statistic
-    return statistics.mean(values) if statistic == "mean" else statistics.quantile(values, QUANTILES[statistic])
 
 
 def cells(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
@@ -57,7 +43,7 @@ def cells(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
     for levels, cell in rows.groupby(list(FACTORS), sort=False):
         factors = dict(zip(FACTORS, levels, strict=True))
         for metric in design.metrics:
-            interval = _with_interval(_values(cell, metric), metric)
+            interval = FIGURES[metric].interval(cell)
             table.append(factors | {"patients": len(cell), "metric": metric} | vars(interval))
     return pd.DataFrame(table)
 
@@ -88,7 +74,9 @@ def _rows_of_pair(pair: Pair, by_cell: dict[Levels, pd.DataFrame], design: Desig
         if len(one):
             met.append((dict(zip(FACTORS, texts, strict=True)), one, other))
     sides = {"better": str(pair[0]), "than": str(pair[1])}
-    for metric in filter(COMPARED.__contains__, design.metrics):
+    for metric in design.metrics:
+        if not FIGURES[metric].compared:
+            continue
         tables = [_by_patient(one, other, metric) for _, one, other in met]
         for (factors, *_), table in zip(met, tables, strict=True):
             yield sides | factors | {"patients": len(table), "metric": metric} | _compared(table)
@@ -99,7 +87,7 @@ def _rows_of_pair(pair: Pair, by_cell: dict[Levels, pd.DataFrame], design: Desig
 
 
 def _means(tables: list[pd.DataFrame]) -> pd.DataFrame:
-    """Over the settings, of the seeds that were played under all of them."""
+    """Means over the settings, of the seeds played under all of them."""
     by_seed = pd.concat(tables).groupby(level="seed")
     return by_seed.mean()[by_seed.size() == len(tables)]
 
@@ -122,15 +110,16 @@ def _same_patients(one: pd.DataFrame, other: pd.DataFrame) -> tuple[pd.DataFrame
 
 def _by_patient(one: pd.DataFrame, other: pd.DataFrame, metric: str) -> pd.DataFrame:
     """Difference and whether the first is better, by the patients' seeds; NaN where they are not defined."""
-    values, reference = _values(one, metric), _values(other, metric)
+    figure = FIGURES[metric]
+    values, reference = figure.of(one), figure.of(other)
     finite = np.isfinite(values).all() and np.isfinite(reference).all()
-    direction = METRICS[metric].better
-    ordered = direction is not None and not (np.isnan(values).any() or np.isnan(reference).any())
+    higher = figure.better == "higher"
+    ordered = figure.better in ("higher", "lower") and not (np.isnan(values).any() or np.isnan(reference).any())
     nothing = np.full(len(one), np.nan)
     return pd.DataFrame(
         {
             "difference": values - reference if finite else nothing,
-            "probability": statistics.better(values, reference, higher=direction == "higher") if ordered else nothing,
+            "probability": statistics.better(values, reference, higher=higher) if ordered else nothing,
         },
         index=one.index,
     )
@@ -159,7 +148,7 @@ def profiles(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
     table = []
     for factors, cell in rows.groupby(list(FACTORS), sort=False):
         for quantity, grid in levels.items():
-            counts = np.searchsorted(np.sort(_values(cell, quantity)), grid, side="right")
+            counts = np.searchsorted(np.sort(FIGURES[quantity].of(cell)), grid, side="right")
             shares = [statistics.share_of(int(count), len(cell)) for count in counts]
             figures = {
                 "patients": len(cell),

@@ -7,6 +7,7 @@ from functools import partial
 from itertools import product
 from typing import Any
 
+from eval.figures.catalogue import FIGURES
 from eval.kept.cells import Cell
 from eval.kept.entries import Entry, load_entry
 from eval.rows.outcomes import Outcomes
@@ -15,7 +16,6 @@ from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
 
 PATIENTS_IN_A_PART = 20
-_BOUNDS = {"information_bound", "worst_bound_sd"}
 FACTORS = ("environment", "cohort", "control", "sensors", "force_sensor", "reality", "control_hz", "entry")
 """Factors of a cell, in the order of the columns."""
 
@@ -93,7 +93,7 @@ def _of_environment(design: Design, environment: EnvironmentChoice, trust: bool)
                     dict(zip(FACTORS, (*levels, entry.label), strict=True)),
                     partial(load_entry, choice.agent, world, trust=trust),
                     range(design.seed, design.seed + number),
-                    Outcomes(bound=not _BOUNDS.isdisjoint(design.metrics), over_time=False),
+                    Outcomes(bound=any(FIGURES[name].bound for name in design.metrics), over_time=False),
                     getattr(entry.agent, "together", PATIENTS_IN_A_PART),
                 )
 

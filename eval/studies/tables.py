@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 
 from eval.figures import words
+from eval.figures.catalogue import FIGURES
 from eval.figures.statistics import Interval
 from eval.figures.tables import Table, made_by
 from eval.studies.design import Design
 from eval.studies.estimates import ALL
 from eval.studies.grid import FACTORS
-from eval.studies.metrics import COMPARED, METRICS
 
 _TITLES = {"control_hz": "steps/s", "reality": "effects"}
 _SD_SHOWN = (0.02, 0.05, 0.10, 0.20)
@@ -39,8 +39,8 @@ def _varying(table: pd.DataFrame) -> list[str]:
 
 
 def _cell(value: Interval, metric: str) -> str:
-    shown = METRICS[metric]
-    return words.with_interval(words.scaled(value, shown.scale), shown.digits)
+    figure = FIGURES[metric]
+    return words.with_interval(figure.scaled(value), figure.digits)
 
 
 def _level(factor: str, level: Any) -> str:
@@ -56,7 +56,7 @@ def of_cells(table: pd.DataFrame, design: Design) -> Table:
     """
     factors = _varying(table)
     head = [_TITLES.get(factor, factor) for factor in factors]
-    head += ["patients", *(METRICS[metric].title for metric in design.metrics)]
+    head += ["patients", *(FIGURES[metric].title for metric in design.metrics)]
     rows = []
     for levels, cell in table.groupby(list(FACTORS), sort=False):
         setting = dict(zip(FACTORS, levels, strict=True))
@@ -75,7 +75,7 @@ def of_pairs(table: pd.DataFrame, design: Design) -> Table:
     """
     factors = [factor for factor in FACTORS if len(set(table[factor]) - {ALL, ""}) > 1]
     head = ["first", "second", *(_TITLES.get(factor, factor) for factor in factors), "patients"]
-    head += [METRICS[metric].title for metric in design.metrics if metric in COMPARED]
+    head += [FIGURES[metric].title for metric in design.metrics if FIGURES[metric].compared]
     rows = []
     for group, figures in table.groupby(["better", "than", *FACTORS], sort=False):
         levels = dict(zip(FACTORS, group[2:], strict=True))

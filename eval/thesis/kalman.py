@@ -159,7 +159,7 @@ def draw_noise(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.
 
 
 def judge_noise(table: pd.DataFrame) -> Judgement:
-    """Without noise on the parameters, is the filter further off than with it?"""
+    """Judge whether the filter is further off without noise on the parameters than with it."""
     end = rows.last(table)
     error = {case: rows.rmse(rows.of_case(end, case)) for case in NOISES}
     nees = {

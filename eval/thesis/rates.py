@@ -69,7 +69,7 @@ def _below(rates: list[float], poor: list[bool]) -> list[float]:
 
 
 def judge(table: pd.DataFrame) -> Judgement:
-    """Which rates are too slow for the filter as it is."""
+    """Judge the rates: some are too slow for the filter as it is."""
     rates = _rates(table)
     error = {hz: _error(table, _case(hz)) for hz in rates}
     failed = {hz: float(rows.of_case(table, _case(hz))["estimate"].isna().mean()) for hz in rates}

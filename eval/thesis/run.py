@@ -32,7 +32,7 @@ ENOUGH = 20
 
 @dataclass(frozen=True)
 class Draws:
-    """How the items are drawn."""
+    """The draws of all items."""
 
     draws: int = 1000  # of each item, >= 2
     seed: int = 0  # of all draws, 0 to ``jawenv.playing.rollout.LARGEST_SEED``

@@ -44,14 +44,14 @@ class Spread:
         return self.parameter.startswith("log_F_o/")
 
     def text(self, digits: int = 2) -> str:
-        """In words: `b masseter 7.95 ± 0.90 for 8.00`."""
+        """The spread in words, such as `b masseter 7.95 ± 0.90 for 8.00`."""
         symbol = "F_o" if self.is_force else "b"
         values = [words.number(value, digits) for value in (self.mean, self.sd, self.truth)]
         return f"{symbol} {words.muscle(self.parameter)} {values[0]} ± {values[1]} for {values[2]}"
 
 
 def spreads(table: pd.DataFrame) -> list[Spread]:
-    """Of every parameter, from the values that there are."""
+    """The spread of every parameter, over the values at hand."""
     estimates = []
     for name in dict.fromkeys(map(str, table["parameter"])):
         rows = table[table["parameter"] == name]

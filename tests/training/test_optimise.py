@@ -21,11 +21,11 @@ from training.search.optimise import (
     Judge,
     Judged,
     Knots,
-    Refinement,
     length_s,
     nominal_patient,
     search,
 )
+from training.search.settings import Refinement
 
 SHORT = {"refine": "slow_opening", "horizon_s": 2.0, "patients": 2, "population": 4, "generations": 3}
 TIMES = STEP_S * np.arange(1, 11)

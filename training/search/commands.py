@@ -9,7 +9,6 @@ import typer
 from rich.console import Console
 
 from jawenv.commands.options import takes_world
-from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.ladder import env_id_of, title_of_env
 from jawenv.playing.agents import Array
@@ -26,10 +25,12 @@ from training.search.session import (
     until_stopped,
     write_found,
 )
+from training.search.settings import GradientSearch, Refinement, takes
 
 if TYPE_CHECKING:
-    from training.search.optimise import Found, Refinement
+    from training.search.optimise import Found
 
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the file.")]
 SOURCE = "optimal input design (Goodwin and Payne 1977, chapter 6) by CMA-ES (Hansen and Ostermeier 2001)"
 BY_GRADIENT = "optimal input design (Goodwin and Payne 1977, chapter 6) by Adam (Kingma and Ba 2015) through the twin"
 CRITERIA = {"worst": "the largest sd", "D": "the determinant of the covariance", "A": "the mean variance"}
@@ -40,59 +41,43 @@ OVER = {
 }
 
 
-def optimise(
-    output: ManeuverFile,
-    refine: Annotated[str, typer.Option(help="Maneuver (name or file) whose targets are varied.", metavar="M")],
-    cohort: Annotated[str, typer.Option(help="Population of the patients.", metavar="NAME")] = "trismus",
-    control: Annotated[str, typer.Option(help="force, trajectory or targets.", metavar="NAME")] = DEFAULT_CONTROL,
-    horizon_s: Annotated[float, typer.Option(help="Length of an episode.", metavar="S")] = 10.0,
-    criterion: Annotated[str, typer.Option(help="worst (the largest sd), D (determinant) or A (trace).")] = "worst",
-    over: Annotated[str, typer.Option(help="mean of the patients, tail (the worst third) or nominal.")] = "mean",
-    patients: Annotated[int, typer.Option(help="Patients that each candidate is played with.", metavar="N")] = 12,
-    generations: Annotated[int, typer.Option(help="Generations of CMA-ES.", metavar="N")] = 120,
-    population: Annotated[int, typer.Option(help="Candidates in a generation.", metavar="N")] = 14,
-    sigma: Annotated[float, typer.Option(help="First step size of the offsets.")] = 0.12,
-    then: Annotated[str, typer.Option(help="Maneuver that follows after the horizon.", metavar="M")] = "",
-    seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
-    env: Annotated[str, typer.Option(help="Environment: Jaw, JawImaged, ...", metavar="NAME")] = "Jaw",
-    overwrite: Anew = False,
-) -> int:
+@takes(Refinement)
+def optimise(output: ManeuverFile, settings: Refinement, overwrite: Anew = False) -> int:
     """Refine a maneuver until the parameters are known best after it, within comfort.
 
     What is searched are offsets of its targets, one for each channel and 0.4 s. A search that was stopped goes on when
     the same command is given again. What it has found so far stands beside the file, in NAME.search.pkl, which is
     unpickled: that can run code, so let nobody else put one there.
     """
-    options = dict(locals())
-    from training.search.optimise import Refinement, search
+    from training.search.optimise import knots_of, search
 
     check_output(output)
-    design, log = Refinement.of(options), output.with_suffix(".search.pkl")
+    log = output.with_suffix(".search.pkl")
 
     def run(progress: Progress) -> tuple[Found, bool]:
         def report(done: int, lowest: float) -> None:
             progress.note("best", f"best loss {lowest:.3f}")
             progress.advance_to(done)
 
-        result = search(design, log, report)
+        result = search(settings, log, report)
         return result, progress.done > 0
 
     def write(result: Found) -> str:
-        header = named(output, _description(design), SOURCE)
+        header = named(output, _description(settings), SOURCE)
         content = (
-            design.knots()
+            knots_of(settings)
             .maneuver(result.numbers, header)
             .model_dump(mode="json", exclude_none=True, exclude_defaults=True)
         )
-        write_found(output, content, "optimise", design)
+        write_found(output, content, "optimise", settings)
         judged = result.judged
         return (
-            f"largest sd {100.0 * judged.worst_sd:.2f} % after {horizon_s:g} s (median of the search's own "
+            f"largest sd {100.0 * judged.worst_sd:.2f} % after {settings.horizon_s:g} s (median of the search's own "
             f"patients), discomfort {judged.discomfort_s:.3f} s, governor {judged.governor:.1%}, "
             f"hard limits crossed by {judged.violated:.0%}" + ("" if judged.feasible else "; NOT within comfort")
         )
 
-    return search_maneuver(output, log, overwrite, generations, "generations", run, write)
+    return search_maneuver(output, log, overwrite, settings.generations, "generations", run, write)
 
 
 def _description(design: Refinement) -> str:
@@ -117,26 +102,16 @@ def twin(
     Console(highlight=False, markup=False).print(agreement(world, patients, seed).table(), soft_wrap=True)
 
 
-def refine(
-    output: ManeuverFile,
-    refine: Annotated[str, typer.Option(help="Maneuver (name or file) where the search begins.", metavar="M")],
-    cohort: Annotated[str, typer.Option(help="Population of the patients.", metavar="NAME")] = "trismus",
-    updates: Annotated[int, typer.Option(help="Of the targets.", metavar="N")] = 80,
-    patients: Annotated[int, typer.Option(help="New ones in each update.", metavar="N")] = 64,
-    horizon_s: Annotated[float, typer.Option(help="Length of the maneuver.", metavar="S")] = 10.0,
-    target_discomfort_s: Annotated[float, typer.Option(help="Allowed on average, in 30 s.", metavar="S")] = 0.1,
-    learning_rate: Annotated[float, typer.Option(help="First step size of the offsets.")] = 0.03,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file.")] = False,
-) -> int:
+@takes(GradientSearch)
+def refine(output: ManeuverFile, settings: GradientSearch, overwrite: Overwrite = False) -> int:
     """Refine a maneuver by the gradient of the differentiable twin, within comfort. Minutes; it is not resumed."""
-    options = dict(locals())
-    from training.search.gradient import DECISION_S, GradientSearch, maneuver_of
+    from training.search.gradient import DECISION_S, maneuver_of
     from training.search.gradient import refine as search
 
     check_output(output)
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
-    settings, console = GradientSearch.of(options), quiet_console()
+    console = quiet_console()
 
     def work(progress: Progress) -> Array:
         def report(done: int, worst: float, discomfort: float) -> None:
@@ -145,10 +120,11 @@ def refine(
 
         return search(settings, report)
 
-    targets = until_stopped(work, updates, "updates", console, "from the beginning")
+    targets = until_stopped(work, settings.updates, "updates", console, "from the beginning")
     if targets is None:
         return INTERRUPTED
-    text = f"{refine!r} with its targets varied by gradient for the largest sd of {cohort!r} after {horizon_s:g} s."
+    whose = f"of {settings.cohort!r} after {settings.horizon_s:g} s"
+    text = f"{settings.refine!r} with its targets varied by gradient for the largest sd {whose}."
     write_found(output, maneuver_of(targets, DECISION_S, named(output, text, BY_GRADIENT)), "refine", settings)
-    console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
+    console.print(f"{output}: {settings.horizon_s:g} s", soft_wrap=True)
     return 0

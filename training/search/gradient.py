@@ -8,7 +8,6 @@ within its limit on average in the environment, which has more of it than the tw
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,6 @@ from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.worlds import Worlds
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
-from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
@@ -31,33 +29,13 @@ from jawenv.playing.policies.following import DECISION_HZ
 from jawenv.seeds import TUNING
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig
-from training.search.session import SearchSettings
+from training.search.settings import GradientSearch
 
 KNOT_S = 0.4
 SCALE = torch.tensor([0.25, 0.4, 0.1, 0.4], dtype=torch.float64)
 """Of the channels' steps."""
 PER_30_S = 30.0
 DECISION_S = 1.0 / DECISION_HZ
-
-
-@dataclass(frozen=True)
-class GradientSearch(SearchSettings):
-    """Settings of a search."""
-
-    refine: str  # maneuver (name or file) where the search begins
-    cohort: str = "trismus"  # of the patients
-    updates: int = 80  # of the targets
-    patients: int = 64  # new ones in each
-    horizon_s: float = 10.0  # length of the maneuver
-    target_discomfort_s: float = 0.1  # allowed on average, s in 30 s
-    learning_rate: float = 0.03  # in parts of ``SCALE``; it falls to a tenth
-
-    def __post_init__(self) -> None:
-        """Check the numbers."""
-        self.check_least(updates=1, patients=1)
-        for name in ("horizon_s", "target_discomfort_s", "learning_rate"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"{name} is {getattr(self, name)}; allowed: more than 0")
 
 
 def refine(

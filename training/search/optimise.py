@@ -12,9 +12,8 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import cma
 import gymnasium as gym
@@ -24,28 +23,24 @@ from numpy.typing import NDArray
 import jawenv
 from agents.replay import followed, maneuver_of_targets
 from jawenv.anatomy import MUSCLE_NAMES, Patient
-from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.controls import Control
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
-from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
-from jawenv.ladder import env_id_of, model_of_env
-from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
+from jawenv.ladder import env_id_of
+from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import Targets
 from jawenv.playing.maneuvers.signals import Keyframes
 from jawenv.reading import read_bytes
 from jawenv.seeds import TUNING
-from training.search.session import SearchSettings
+from training.search.settings import Refinement
 
 Array = NDArray[np.float64]
-Criterion = Literal["worst", "D", "A"]
-Over = Literal["mean", "tail", "nominal"]
 
 WEIGHTS = {0.35: 0.2, 0.65: 0.2, 1.0: 0.6}  # of the criterion at these shares of the horizon
 TAIL = 1.0 / 3.0  # of the patients, those known least, that ``over="tail"`` looks at
 DISCOMFORT_S = 0.03 / 30.0  # mean discomfort per second of the episode that is allowed
 GOVERNOR = 0.02  # share of the time with the governor at work that is allowed
-MOST_WORLDS = 10_000  # that are played at once; each takes about a megabyte
 INFEASIBLE = 1e3  # worse than any criterion
 RETURN_S = 2.0  # from the horizon to the maneuver that follows
 STEP_S = 0.2  # between targets of the maneuver that is made
@@ -53,52 +48,6 @@ KNOT_S = 0.4  # between knots
 SIZE = np.array([0.25, 0.4, 0.1, 0.4])
 """Unit of the numbers of each channel, as a fraction of the patient's comfort."""
 CANDIDATE = dict.fromkeys(("name", "title", "description", "source"), "candidate")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Refinement(SearchSettings):
-    """Settings of the search for offsets of a maneuver's targets."""
-
-    cohort: str = "trismus"  # of the patients
-    control: Control = DEFAULT_CONTROL  # mode of the environment in which candidates are played
-    horizon_s: float = 10.0  # length of an episode
-    criterion: Criterion = "worst"
-    """``"worst"``: log of the largest sd of a parameter; ``"D"``: log-determinant of the covariance over twice the
-    number of parameters; ``"A"``: half the log of the mean variance.
-    """
-    over: Over = "mean"
-    """``"mean"`` of the patients, the ``"tail"`` third of them that is known least, or one ``"nominal"`` patient,
-    who has the medians of the cohort.
-    """
-    patients: int = 12  # how many, from ``jawenv.seeds.TUNING`` on
-    generations: int = 120  # of CMA-ES
-    population: int = 14  # candidates in a generation
-    sigma: float = 0.12  # first step size, of the numbers
-    refine: str  # name or file of the maneuver that is refined
-    then: str = ""  # name or file of the maneuver that follows after the horizon; empty: it goes on itself
-    seed: int = 0  # of the search
-    env: str = "Jaw"  # the environment, as `jawenv.ladder.model_of_env` takes it
-
-    def __post_init__(self) -> None:
-        """Check every field."""
-        self.check_choices(criterion=Criterion, over=Over)
-        self.check_least(patients=1, generations=1, population=4, seed=0)
-        if self.population * self.patients > MOST_WORLDS:
-            size = f"population is {self.population} and patients {self.patients}"
-            raise InputError(f"{size}; allowed: {MOST_WORLDS:,} worlds, population times patients, at most")
-        if not 0.0 < self.sigma <= 1.0:
-            raise InputError(f"sigma is {self.sigma:g}; allowed: above 0, at most 1")
-        configure(self.env_kwargs | {"model": model_of_env(self.env).name})
-        self.knots()
-
-    @property
-    def env_kwargs(self) -> dict[str, Any]:
-        """Arguments of the environment."""
-        return {"control": self.control, "cohort": self.cohort, "episode_s": self.horizon_s}
-
-    def knots(self) -> Knots:
-        """The maneuver with offsets of its targets."""
-        return Knots(_maneuver(self.refine), self.horizon_s, _maneuver(self.then) if self.then else None)
 
 
 class Knots:
@@ -144,9 +93,10 @@ def length_s(maneuver: Maneuver) -> float:
     return max(0.0, last - RETURN_S) if len(keyframes) == len(signals) else 0.0
 
 
-def _maneuver(spec: str) -> Maneuver:
-    """A maneuver by its name or from its file."""
-    return Maneuver.named(spec) if spec in maneuver_names() else Maneuver.load(spec)
+def knots_of(design: Refinement) -> Knots:
+    """The maneuver with offsets of its targets."""
+    base, then = design.maneuvers()
+    return Knots(base, design.horizon_s, then)
 
 
 class Judged(NamedTuple):
@@ -274,7 +224,7 @@ def search(
     Returns:
         The best candidate.
     """
-    judge, knots = judge or Judge(design), design.knots()
+    judge, knots = judge or Judge(design), knots_of(design)
     settings = design.about() | {"generations": None, "refined": knots.base.model_dump_json()}
     if log.exists():
         strategy = _resumed(log, settings)

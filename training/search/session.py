@@ -1,21 +1,22 @@
-"""The common ground of the commands that search: settings, one output in use, progress, going on after a stop."""
+"""The common ground of the commands that search: one output in use, progress, going on after a stop."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any, Self, TypeVar, get_args
+from typing import Annotated, Any, TypeVar
 
 import typer
 import yaml
 from rich.console import Console
 
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError
 from jawenv.files import write_text
 from jawenv.locks import alone
 from jawenv.progress import Progress
+from training.search.settings import SearchSettings
 
 INTERRUPTED = 130
 Found = TypeVar("Found")
@@ -26,32 +27,6 @@ ManeuverFile = Annotated[
 Anew = Annotated[
     bool, typer.Option("--overwrite", help="Replace the file, and begin anew where a search was left off.")
 ]
-
-
-class SearchSettings:
-    """Base of frozen dataclasses."""
-
-    @classmethod
-    def of(cls, values: Mapping[str, Any]) -> Self:
-        """From arguments of the fields' names, among others."""
-        return cls(**{field.name: values[field.name] for field in fields(cls)})  # type: ignore[arg-type]
-
-    def about(self) -> dict[str, Any]:
-        """All fields."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
-
-    def check_choices(self, **kinds: Any) -> None:
-        """Make sure that fields are among the values of a ``Literal``."""
-        for name, kind in kinds.items():
-            if getattr(self, name) not in get_args(kind):
-                allowed = ", ".join(get_args(kind))
-                raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: {allowed}")
-
-    def check_least(self, **least: int) -> None:
-        """Make sure that fields are not below a number."""
-        for name, number in least.items():
-            if getattr(self, name) < number:
-                raise InputError(f"{name} is {getattr(self, name)}; allowed: {number} or more")
 
 
 def quiet_console() -> Console:
@@ -150,7 +125,7 @@ def write_found(output: Path, content: dict[str, Any], command: str, design: Sea
         command: of ``python -m training``.
         design: its fields that are not the defaults are the command's options.
     """
-    defaults = {field.name: field.default for field in fields(design)}  # type: ignore[arg-type]
+    defaults = {field.name: field.default for field in fields(design)}
     options = [f"--{k.replace('_', '-')} {v}" for k, v in design.about().items() if v != defaults[k]]
     line = " ".join([f"python -m training {command}", f"--output {output.name}", *options])
     text = yaml.safe_dump(content, sort_keys=False, width=110, default_flow_style=None)

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from eval.comparison.ranking import rank
-from eval.comparison.trainings import adaptations
+from eval.comparison.trainings import adaptations, verdict
 from eval.report import page, table
 from tests.eval.studies import GOOD, IDLE, TRAINED, study
 
@@ -27,14 +27,14 @@ def test_a_study_without_replays_has_nothing_to_say():
 
 
 def test_the_difference_is_paired_and_of_logs(paired):
-    found = {each.entry: each for each in adaptations(paired)}
-    assert {entry: each.replay for entry, each in found.items()} == {TRAINED: GOOD, GOOD: IDLE}
+    found = {each.name: each for each in adaptations(paired)}
+    assert {entry: each.against for entry, each in found.items()} == {TRAINED: GOOD, GOOD: IDLE}
     own, other = (paired.of(entry)["worst_sd"].to_numpy() for entry in (GOOD, IDLE))
-    assert found[GOOD].end.value == pytest.approx(np.mean(np.log(own / other)))
-    assert found[GOOD].verdict(found[GOOD].end) == "adapts" and found[GOOD].end.high < 0.0
-    assert found[TRAINED].verdict(found[TRAINED].end) == "does worse"
+    assert found[GOOD].figures["worst_sd"].value == pytest.approx(np.mean(np.log(own / other)))
+    assert verdict(found[GOOD].figures["worst_sd"]) == "adapts" and found[GOOD].figures["worst_sd"].high < 0.0
+    assert verdict(found[TRAINED].figures["worst_sd"]) == "does worse"
     same = np.array(paired.of(GOOD)["early_worst_sd"])
-    assert np.isfinite(same).all() and found[GOOD].early.value < 0.0
+    assert np.isfinite(same).all() and found[GOOD].figures["early_worst_sd"].value < 0.0
 
 
 def test_the_table_says_who_adapts(paired):

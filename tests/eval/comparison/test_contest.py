@@ -30,7 +30,7 @@ def compared(*without: str) -> Results:
         columns = {"worst_sd": values, "rmse": values, "nees": 12.0, "duration_s": 10.0}
         columns |= {"discomfort_s": DISCOMFORT.get(label, 0.01), "patient": np.arange(PATIENTS), "entry": label}
         entries.append({"label": label, **about})
-        tables.append(pd.DataFrame(columns | {f"sd/{k}": 0.1 for k in range(12)}))
+        tables.append(pd.DataFrame(columns | {f"{kind}/{k}": 0.1 for kind in ("sd", "truth") for k in range(12)}))
 
     for label, shift in SHIFTS.items():
         if label in without:

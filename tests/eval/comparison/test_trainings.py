@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from eval.comparison.results import Results
-from eval.comparison.trainings import FIGURES, gains
+from eval.comparison.trainings import DIFFERENCES, gains
 from eval.figures.statistics import mean, mean_over_both
 from eval.report import table
 
@@ -19,7 +19,7 @@ SHIFTS = {"ppo-seed0": -0.2, "ppo-seed1": -0.1, "ppo-seed2": 0.0, "ppo": -0.5, "
 def compared() -> Results:
     """Every entry's figures are nearly those of the base, times exp(shift); replays are the base itself."""
     rng = np.random.default_rng(0)
-    base = {name: rng.uniform(0.5, 1.5, PATIENTS) for name in FIGURES}
+    base = {name: rng.uniform(0.5, 1.5, PATIENTS) for name in DIFFERENCES}
     tables, entries = [], []
     for label, shift in SHIFTS.items():
         columns = {name: values * np.exp(rng.normal(shift, 1e-3, PATIENTS)) for name, values in base.items()}

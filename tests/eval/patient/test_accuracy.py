@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from eval.comparison.ranking import rank
 from eval.figures.statistics import share, share_of_muscles
 from eval.patient.accuracy import ALL, SHARES, accuracy, markdown
 from jawenv.metrics.diagnosis import FIBROSED_F_O_N
@@ -39,11 +38,12 @@ def test_shares_are_counts(made, table):
         assert (rows[f"{name}_low"] <= rows[name] + 1e-12).all() and (rows[name] <= rows[f"{name}_high"] + 1e-12).all()
 
 
-def test_they_are_those_of_the_ranking(made, table):
+def test_they_are_those_of_the_report(made, table):
     whole = table[table["muscle"] == ALL].set_index(["entry", "property"])
-    for row in rank(made).rows:
-        for name, diagnosis in (("stiff", row.fibrosed), ("blocked", row.blocked)):
-            found = whole.loc[(row.entry, name)]
+    for entry in made.entries:
+        for name, (limit, diagnosis) in made.diagnoses(entry).items():
+            found = whole.loc[(entry, name)]
+            assert found["above"] == limit
             assert found["sensitivity"] == pytest.approx(diagnosis.sensitivity, nan_ok=True)
             assert found["specificity"] == pytest.approx(diagnosis.specificity, nan_ok=True)
             assert found["undecided"] == pytest.approx(diagnosis.undecided)

@@ -89,9 +89,9 @@ def test_charts_show_what_the_table_holds(made, page):
     ranking = rank(made)
     points = {trace["meta"]: trace for trace in data_of(page)["charts"]["nees"]["data"]}
     for i, row in enumerate(ranking.rows):
-        assert points[i]["x"] == [pytest.approx(row.nees.value, rel=1e-3)]
+        assert points[i]["x"] == [pytest.approx(row["nees"].value, rel=1e-3)]
     share = data_of(page)["charts"]["reached_5"]["data"][0]
-    assert share["y"][-1] == pytest.approx(100 * ranking.rows[0].share_to[0.05].value)
+    assert share["y"][-1] == pytest.approx(100 * ranking.rows[0]["reaches_5"].value)
     assert share["x"] == sorted(share["x"])
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from eval.figures.catalogue import FIGURES
 from eval.studies import estimates, tables
 from eval.studies.design import Design
 from eval.studies.grid import FACTORS
-from eval.studies.metrics import METRICS
 
 PATIENTS = 30
 
@@ -137,4 +137,4 @@ def test_the_page_names_how_it_was_made(rng):
 
 def test_patients_above_the_admitted_discomfort_are_counted_per_30_s():
     rows = pd.DataFrame({"discomfort_s": [0.0, 0.03, 0.04, 0.09], "duration_s": [10.0, 10.0, 10.0, 30.0]})
-    np.testing.assert_array_equal(METRICS["above_limit"].of(rows, 12), [0.0, 0.0, 1.0, 0.0])
+    np.testing.assert_array_equal(FIGURES["above_limit"].of(rows), [0.0, 0.0, 1.0, 0.0])
