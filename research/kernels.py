@@ -1,19 +1,29 @@
 """Gain by each optimisation of the kernels: processor time of a first start, and of a step, with and without it.
 
     python -m research.kernels --repeats 3
+    python -m research.kernels --ship jawenv/kernels/shipped
 
-Every variant runs in a process of its own, with an empty cache of kernels. It takes some minutes.
+Every variant runs in a process of its own, with an empty cache of kernels. It takes some minutes. The second form makes
+what a wheel brings, for the Python that runs it: the kernels of the common models, for each processor in ``LEVELS``.
 """
 
 from __future__ import annotations
 
 import os
+import pickle
 import subprocess
 import sys
 import tempfile
-from typing import Annotated
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
+from llvmlite import binding
+from numba.core.serialize import dumps
+
+from jawenv.files import atomic_write
+from jawenv.kernels.cache import CHECKSUM_BYTES, LEVELS, with_checksum
 
 STEP = """
 import sys, time, resource
@@ -41,12 +51,43 @@ VARIANTS = {
 }
 """Name -> action before jawenv's kernels are declared."""
 
+COMMON = """
+import sys
+from pathlib import Path
+import gymnasium as gym, jawenv
+from jawenv.commands.app import main
+from jawenv.live.session import DriveSession
+from jawenv.live.setup import Setup
+
+for env_id in ("jawenv/Jaw-v3", "jawenv/JawImaged-v3"):
+    for control in ("force", "targets"):
+        env = gym.make(env_id, control=control, track_bound=True)
+        env.reset(seed=1)
+        env.step(env.action_space.sample())
+session = DriveSession(Setup.of(seed=500, episode_s=1.0))
+session.hand_over("refined")
+while not session.ended:
+    session.drive()
+recording = str(session.save(Path(sys.argv[1]))[1])
+for knowledge in ("exact", "imaged"):
+    main(["identify", recording, "--knowledge", knowledge])
+"""
+"""What plays the models whose kernels are shipped; one world and many share theirs."""
+
+ALIKE = "import sys; from research.kernels import compile_alike; compile_alike(sys.argv[1])"
+
 
 def measure(
     repeats: Annotated[int, typer.Option(help="Starts of every variant; the fastest counts.", min=1)] = 3,
     rounds: Annotated[int, typer.Option(help="Of 100 steps of 8 worlds; the fastest counts.", min=1)] = 20,
+    ship: Annotated[
+        Path | None, typer.Option(help="Measure nothing; add the kernels that a wheel brings.", metavar="FOLDER")
+    ] = None,
 ) -> None:
     """Print a Markdown table."""
+    if ship is not None:
+        make_shipped(ship)
+        return
     print("| variant | first start, s of a processor | second start, s | step, µs |\n|---|--:|--:|--:|")
     for name, before in VARIANTS.items():
         cold, warm = [], []
@@ -65,6 +106,52 @@ def _run(before: str, rounds: int, cache: str) -> tuple[float, float]:
     output = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
     start, step = map(float, output.split())
     return start, step
+
+
+def make_shipped(folder: Path) -> None:
+    """Make the kernels of common models for every level, here played for the last, which most processors reach."""
+    with tempfile.TemporaryDirectory() as cache:
+        played, *others = reversed(LEVELS)
+        _run_for(played, cache, COMMON, cache)
+        for level in others:
+            _run_for(level, cache, ALIKE, cache)
+        files = [file for file in Path(cache).rglob("*.kernel") if not file.parent.name.endswith("-linked")]
+        for file in files:
+            place = folder / file.parent.name / file.name
+            place.parent.mkdir(parents=True, exist_ok=True)
+            with atomic_write(place) as unfinished:
+                unfinished.write_bytes(with_checksum(dumps(_without_sources(_parts(file)))))
+        print(f"{folder}: {len(files)} kernels")
+
+
+def compile_alike(cache: str) -> None:
+    """Compile for this process's level, unplayed, what the cache holds for another."""
+    for file in sorted(Path(cache).rglob("*.kernel")):
+        if not file.parent.name.endswith("-linked"):
+            _, described, _, signature, *_ = _parts(file)
+            kernel = getattr(import_module(described.modname), described.qualname)
+            (kernel._kernel if hasattr(kernel, "_kernel") else kernel._outer).compile(signature.args)
+
+
+def _run_for(level: str, cache: str, code: str, *arguments: str) -> None:
+    processor = {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": LEVELS[level]}
+    nothing = {"JAWENV_CACHE_DIR": cache, "JAWENV_KERNELS_DIR": cache}
+    subprocess.run([sys.executable, "-c", code, *arguments], env=os.environ | processor | nothing, check=True)
+
+
+def _parts(file: Path) -> tuple[Any, ...]:
+    """What Numba keeps of a kernel: code, description, environment, signature and more."""
+    parts: tuple[Any, ...] = pickle.loads(file.read_bytes()[CHECKSUM_BYTES:])
+    return parts
+
+
+def _without_sources(parts: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The same with machine code alone: no LLVM code but the names that it defines, no listing of types."""
+    (name, kind, (machine, code)), described, environment, signature, objects, lifted, _, *others = parts
+    defined = [function.name for function in binding.parse_bitcode(code).functions if not function.is_declaration]
+    names = "".join(f'define void @"{each}"() {{ ret void }}\n' for each in defined)
+    library = name, kind, (machine, binding.parse_assembly(names).as_bitcode())
+    return library, described, environment, signature, objects, lifted, "", *others
 
 
 def main() -> None:
