@@ -24,6 +24,7 @@ from numba.core.serialize import dumps
 
 from jawenv.files import atomic_write
 from jawenv.kernels.cache import CHECKSUM_BYTES, LEVELS, with_checksum
+from jawenv.kernels.compiled import WorldKernel
 
 STEP = """
 import sys, time, resource
@@ -101,7 +102,7 @@ def measure(
 
 def _run(before: str, rounds: int, cache: str) -> tuple[float, float]:
     """Processor time up to the end of the first step, s, and of a step of one world, µs."""
-    environment = os.environ | {"JAWENV_CACHE_DIR": cache, "NUMBA_NUM_THREADS": "1"}
+    environment = os.environ | {"JAWENV_CACHE_DIR": cache, "JAWENV_KERNELS_DIR": cache, "NUMBA_NUM_THREADS": "1"}
     command = [sys.executable, "-c", before + STEP, str(rounds)]
     output = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
     start, step = map(float, output.split())
@@ -109,34 +110,43 @@ def _run(before: str, rounds: int, cache: str) -> tuple[float, float]:
 
 
 def make_shipped(folder: Path) -> None:
-    """Make the kernels of common models for every level, here played for the last, which most processors reach."""
+    """Make the kernels of common models for every level."""
     with tempfile.TemporaryDirectory() as cache:
-        played, *others = reversed(LEVELS)
-        _run_for(played, cache, COMMON, cache)
-        for level in others:
-            _run_for(level, cache, ALIKE, cache)
-        files = [file for file in Path(cache).rglob("*.kernel") if not file.parent.name.endswith("-linked")]
-        for file in files:
-            place = folder / file.parent.name / file.name
-            place.parent.mkdir(parents=True, exist_ok=True)
-            with atomic_write(place) as unfinished:
-                unfinished.write_bytes(with_checksum(dumps(_without_sources(_parts(file)))))
-        print(f"{folder}: {len(files)} kernels")
+        make_cache(cache, COMMON)
+        print(f"{folder}: {ship_cache(Path(cache), folder)} kernels")
+
+
+def make_cache(cache: str, code: str) -> None:
+    """Fill a cache with what some code calls, played for the last level, which most processors reach."""
+    played, *others = reversed(LEVELS)
+    for level, run in ((played, code), *((level, ALIKE) for level in others)):
+        environment = {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": LEVELS[level]}
+        environment |= {"JAWENV_CACHE_DIR": cache, "JAWENV_KERNELS_DIR": cache}
+        subprocess.run([sys.executable, "-c", run, cache], env=os.environ | environment, check=True)
+
+
+def ship_cache(cache: Path, folder: Path) -> int:
+    """Add a cache's machine code to a folder of shipped kernels; returns how many there are."""
+    files = _called_by_python(cache)
+    for file in files:
+        place = folder / file.parent.name / file.name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(place) as unfinished:
+            unfinished.write_bytes(with_checksum(dumps(_machine_code_of(_parts(file)))))
+    return len(files)
 
 
 def compile_alike(cache: str) -> None:
     """Compile for this process's level, unplayed, what the cache holds for another."""
-    for file in sorted(Path(cache).rglob("*.kernel")):
-        if not file.parent.name.endswith("-linked"):
-            _, described, _, signature, *_ = _parts(file)
-            kernel = getattr(import_module(described.modname), described.qualname)
-            (kernel._kernel if hasattr(kernel, "_kernel") else kernel._outer).compile(signature.args)
+    for file in _called_by_python(Path(cache)):
+        _, described, _, signature, *_ = _parts(file)
+        kernel: Any = getattr(import_module(described.modname), described.qualname)
+        dispatcher: Any = kernel._kernel if isinstance(kernel, WorldKernel) else kernel._outer
+        dispatcher.compile(signature.args)
 
 
-def _run_for(level: str, cache: str, code: str, *arguments: str) -> None:
-    processor = {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": LEVELS[level]}
-    nothing = {"JAWENV_CACHE_DIR": cache, "JAWENV_KERNELS_DIR": cache}
-    subprocess.run([sys.executable, "-c", code, *arguments], env=os.environ | processor | nothing, check=True)
+def _called_by_python(cache: Path) -> list[Path]:
+    return sorted(file for file in cache.rglob("*.kernel") if not file.parent.name.endswith("-linked"))
 
 
 def _parts(file: Path) -> tuple[Any, ...]:
@@ -145,8 +155,8 @@ def _parts(file: Path) -> tuple[Any, ...]:
     return parts
 
 
-def _without_sources(parts: tuple[Any, ...]) -> tuple[Any, ...]:
-    """The same with machine code alone: no LLVM code but the names that it defines, no listing of types."""
+def _machine_code_of(parts: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The same without LLVM code, of which the names that it defines stay, and without the listing of types."""
     (name, kind, (machine, code)), described, environment, signature, objects, lifted, _, *others = parts
     defined = [function.name for function in binding.parse_bitcode(code).functions if not function.is_declaration]
     names = "".join(f'define void @"{each}"() {{ ret void }}\n' for each in defined)
