@@ -23,11 +23,11 @@ help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s  %s\n", $$1, $$2 }' Makefile
 
 live: ## a page on which you move the jaw of a patient
-	@.ci/setup
+	@COMPILE=1 .ci/setup
 	$(BIN)/jawenv live --open
 
 demo: ## train an agent that adapts, and compare it with every maneuver: runs/demo/report.html
-	@.ci/setup train eval
+	@COMPILE=1 .ci/setup train eval
 	$(BIN)/python -m training $(DEMO_TRAIN)
 	$(BIN)/python -m eval $(DEMO_COMPARE)
 

@@ -16,8 +16,9 @@ settings.register_profile("jawenv", deadline=None, derandomize=True)
 settings.load_profile("jawenv")
 
 
-# Compile filters of their own at once: with nuisances, with a disturbance that has memory.
+# Compile filters of their own at once: that of JawImaged, and one with a disturbance that has memory.
 OWN_FILTERS = ("test_nuisances.py", "test_disturbance.py")
+LONG = ("acceptance", "training", "filter")  # folders of the longest tests
 
 
 def pytest_configure():
@@ -28,16 +29,16 @@ def pytest_configure():
 
 @pytest.hookimpl(trylast=True)  # those that markers leave out are no longer among them
 def pytest_collection_modifyitems(items):
-    """Two workers take half of the tests each, in order: neither begins by waiting for what the other compiles.
+    """Two workers take half of the tests each, in order: one begins with the filter of Jaw, the other with its own.
 
-    Notebooks, each of which is one long test, are not left to the end, where the other worker would have nothing to do.
+    Long tests come first in either half, notebooks too, each of which is one: at the end there is something to share.
     """
     own = [item for item in items if item.path.name in OWN_FILTERS]
     notebooks = [item for item in items if item.path.suffix == ".ipynb"]
     rest = [item for item in items if item not in own and item not in notebooks]
+    rest.sort(key=lambda item: not set(LONG) & set(item.path.parts[:-1]))
     half = min(len(items) // 2, len(rest))
-    quarter = half + (len(rest) - half) // 2
-    items[:] = [*rest[:half], *own, *rest[half:quarter], *notebooks, *rest[quarter:]]
+    items[:] = [*rest[:half], *own, *notebooks, *rest[half:]]
 
 
 def pytest_collection_finish(session):

@@ -4,6 +4,8 @@ Numba names a kernel's files by the path and the text of the source file. A copy
 and a kernel is not renewed when one that it calls changes in another file. Here the name is a digest of the kernel's
 own code and of all that it refers to: kernels that it calls, and the values of its constants. So a kernel is compiled
 once for a machine, wherever the sources lie, and again only when its numbers could change.
+
+A wheel brings the kernels of common models, for each of ``LEVELS``, in a second folder that is only read.
 """
 
 from __future__ import annotations
@@ -39,16 +41,31 @@ OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba
 MADE_OF = "made_of"  # attribute of a kernel's part: the functions that it stands for
 CHECKSUM_BYTES = 32  # sha256
 UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
+_V3 = "+avx,+avx2,+bmi,+bmi2,+f16c,+fma,+lzcnt,+movbe"
+LEVELS = {"x86-64-v4": f"{_V3},+avx512bw,+avx512cd,+avx512dq,+avx512f,+avx512vl", "x86-64-v3": _V3}
+"""Processors that a wheel brings kernels for -> what they can do; of those that fit, the first is taken."""
 
 
 @cache
 def cache_folder() -> Path:
     """Where compiled kernels are kept: ``JAWENV_CACHE_DIR``, or jawenv's folder in the user's cache."""
-    folder = Path(os.environ.get("JAWENV_CACHE_DIR") or user_cache_dir("jawenv")) / "kernels"
+    cache = Path(os.environ.get("JAWENV_CACHE_DIR") or user_cache_dir("jawenv"))
+    return _own_folder("JAWENV_CACHE_DIR", cache / "kernels")
+
+
+@cache
+def shipped_folder() -> Path:
+    """Where the kernels lie that jawenv came with: in the package, or in ``JAWENV_KERNELS_DIR``."""
+    named = os.environ.get("JAWENV_KERNELS_DIR")
+    return _own_folder("JAWENV_KERNELS_DIR", Path(named)) if named else Path(__file__).with_name("shipped")
+
+
+def _own_folder(name: str, folder: Path) -> Path:
+    """A folder that a variable names, in which no others may write."""
     for place, sticky in ((folder, False), (folder.parent, True)):
         if _others_may_write(place, sticky):
             raise InputError(
-                f"JAWENV_CACHE_DIR: others may write in {place}, and machine code is run from it; "
+                f"{name}: others may write in {place}, and machine code is run from it; "
                 f"allowed: a folder of your own (chmod go-w {place}, if you trust what it holds)"
             )
     return folder
@@ -65,10 +82,14 @@ def _others_may_write(folder: Path, sticky: bool) -> bool:
     return not mine or bool(writable and not (sticky and status.st_mode & stat.S_ISVTX))
 
 
-def kernel_folder(function: FunctionType, kind: str = "") -> Path:
-    """The folder of one kernel: name, digest of its sources, form."""
-    name = f"{function.__module__}.{function.__qualname__}-{kernel_digest(function)}{kind}"
-    return cache_folder() / name.replace("<", "")
+def kernel_folder(function: FunctionType) -> Path:
+    """The folder of one kernel that Python calls."""
+    return cache_folder() / _name_of(function)
+
+
+def _name_of(function: FunctionType, kind: str = "") -> str:
+    """What a kernel's folder is called: name, digest of its sources, form."""
+    return f"{function.__module__}.{function.__qualname__}-{kernel_digest(function)}{kind}".replace("<", "")
 
 
 def prune_cache() -> None:
@@ -184,8 +205,9 @@ class KernelCache:
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The kernel for these types, None where it has to be compiled; then says so on stderr."""
         target_context.refresh()
-        path = self._path(sig, target_context.codegen())
-        content = _checked_content(path)
+        processor = target_context.codegen().magic_tuple()
+        path = cache_folder() / self._name(sig, processor)
+        content = _checked_content(path) or self._shipped(sig, processor)
         if content is None:
             _make_writable(path.parent)
             say_compiling()
@@ -197,13 +219,29 @@ class KernelCache:
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled kernel."""
         content = dumps(data._reduce())
-        with atomic_write(self._path(sig, data.codegen)) as unfinished:
-            unfinished.write_bytes(hashlib.sha256(content).digest() + content)
+        with atomic_write(cache_folder() / self._name(sig, data.codegen.magic_tuple())) as unfinished:
+            unfinished.write_bytes(with_checksum(content))
 
-    def _path(self, sig: Any, codegen: Any) -> Path:
-        types = repr((sig, codegen.magic_tuple(), sys.version))
-        folder = kernel_folder(self._function, "-linked" if self._linked else "")
-        return folder / f"{hashlib.sha256(types.encode()).hexdigest()[:24]}.kernel"
+    def _shipped(self, sig: Any, processor: tuple[str, str, str]) -> bytes | None:
+        """The kernel for a level that this processor reaches, if jawenv came with it."""
+        system, _, features = processor
+        for level, needed in LEVELS.items():
+            if not self._linked and set(needed.split(",")) <= set(features.split(",")):
+                content = _checked_content(shipped_folder() / self._name(sig, (system, level, needed)))
+                if content is not None:
+                    return content
+        return None
+
+    def _name(self, sig: Any, processor: tuple[str, str, str]) -> str:
+        """A file for these types and this processor, in the kernel's folder."""
+        python = f"{sys.implementation.name} {sys.version_info.major}.{sys.version_info.minor}"
+        types = hashlib.sha256(repr((sig, processor, python)).encode()).hexdigest()
+        return f"{_name_of(self._function, '-linked' if self._linked else '')}/{types[:24]}.kernel"
+
+
+def with_checksum(content: bytes) -> bytes:
+    """What is kept of a kernel."""
+    return hashlib.sha256(content).digest() + content
 
 
 def _checked_content(path: Path) -> bytes | None:

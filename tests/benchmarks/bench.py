@@ -1,8 +1,8 @@
 """Speed beside Gymnasium's Humanoid-v5, parts of a control step, growth of memory, start-up times: `make bench`.
 
-Speeds are medians of interleaved repeats, so that what else the machine does falls on all of them alike. A target that
-is missed is reported as missed; the exit code says only whether the measurement ran. On a busy machine look at the
-ratio, and at the processor time beside each elapsed one.
+Speeds are those of whole episodes, medians of interleaved repeats, so that what else the machine does falls on all of
+them alike. A target that is missed is reported as missed; the exit code says only whether the measurement ran. On a
+busy machine look at the ratio, and at the processor time beside each elapsed one.
 """
 
 import argparse
@@ -48,7 +48,7 @@ print(time.time(), time.process_time())
 """
 
 
-FULL, QUICK = Size(), Size(2, 500, 10, 20_000, 1_000)
+FULL, QUICK = Size(), Size(2, 500, 1.0, 1, 20_000, 1_000)
 
 
 def part_rows(size: Size) -> list[Row]:
@@ -182,7 +182,7 @@ def start_up(size: Size) -> list[Row]:
     say("start-up: without a cache")
     with tempfile.TemporaryDirectory() as cache:
         start = time.time()
-        cold = float(child(FIRST_STEP, JAWENV_CACHE_DIR=cache).split()[0]) - start
+        cold = float(child(FIRST_STEP, JAWENV_CACHE_DIR=cache, JAWENV_KERNELS_DIR=cache).split()[0]) - start
     return [
         Row("import jawenv, fresh process", f"{seconds:.2f} s", "<= 1 s", seconds <= 1.0),
         Row(f"  of {', '.join(HEAVY)} it imports", ", ".join(heavy) or "none", "none", not heavy),

@@ -1,4 +1,7 @@
-"""Speeds of environments over that of Gymnasium's Humanoid-v5, in steps of 20 Hz."""
+"""Speeds of environments over that of Gymnasium's Humanoid-v5, in steps of 20 Hz.
+
+Of whole episodes: reset and all steps, in one time. Replays fall into few steps, so that a stretch may have none.
+"""
 
 import sys
 import time
@@ -24,8 +27,9 @@ PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v3",)
 
 class Size(NamedTuple):
     repeats: int = 7
-    single_steps: int = 3_000
-    vector_steps: int = 60
+    single_steps: int = 3_000  # five episodes
+    episode_s: float = 30.0
+    episodes: int = 3  # of every batch
     memory_env_steps: int = 1_000_000
     memory_single_steps: int = 20_000
 
@@ -41,10 +45,10 @@ def say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def sinusoids(worlds: int | None) -> Callable[[int], np.ndarray]:
-    """Slow motor commands of a third of full scale: four motors, each world in another phase."""
+def sinusoids(worlds: int | None, strength: float = 0.3) -> Callable[[int], np.ndarray]:
+    """Slow motor commands, by default of a third of full scale: four motors, each world in another phase."""
     phase = 0.7 * np.arange(4 * (worlds or 1)).reshape((4,) if worlds is None else (worlds, 4))
-    return lambda step: (0.3 * np.sin(2.0 * np.pi * 0.3 * step / CONTROL_HZ + phase)).astype(np.float32)
+    return lambda step: (strength * np.sin(2.0 * np.pi * 0.3 * step / CONTROL_HZ + phase)).astype(np.float32)
 
 
 # Both: steps per second, resets included.
@@ -66,19 +70,23 @@ def run_vector(vec: gym.vector.VectorEnv, action: Callable[[int], np.ndarray], s
 
 def agents_of(control: str) -> dict[str, Agent]:
     """What drives the worlds: slow commands that press on stops and teeth, a maneuver, and random actions."""
+    sines = {"gentle sines": Sinusoids(), "strong sines": Sinusoids(0.9)}
     maneuver = load_agent("opening_with_swings_and_fore_aft", control=control)
-    return {"gentle sines": Sinusoids(), "maneuver": maneuver, "random actions": load_agent("random", control=control)}
+    return sines | {"maneuver": maneuver, "random actions": load_agent("random", control=control)}
 
 
-def run_driven(vec: gym.vector.VectorEnv, agent: Agent, observation: np.ndarray, steps: int) -> tuple[float, Any]:
-    """Env-steps per second without the agent's own time, and the last observation."""
-    busy = 0.0
+def run_driven(vec: gym.vector.VectorEnv, agent: Agent, steps: int, seed: int) -> float:
+    """Env-steps per second of an episode, its reset included, without the agent's own time."""
+    agent.reset(vec.num_envs, seed)
+    start = time.perf_counter()
+    observation, _ = vec.reset(seed=seed)
+    busy = time.perf_counter() - start
     for _ in range(steps):
         action, _ = agent.predict(observation)
         start = time.perf_counter()
         observation = vec.step(action)[0]
         busy += time.perf_counter() - start
-    return steps * vec.num_envs / busy, observation
+    return steps * vec.num_envs / busy
 
 
 def humanoid() -> Callable[[int], float]:
@@ -89,9 +97,11 @@ def humanoid() -> Callable[[int], float]:
     return lambda steps: run_single(env, lambda _: env.action_space.sample(), steps)
 
 
-def paired(size: Size, reference: Callable[[int], float], run: Callable[[], float]) -> tuple[float, float, float]:
-    """Medians of the reference's speed, of ``run``'s and of their ratio, in turns; the first turn warms up."""
-    table = np.array([(reference(size.single_steps), run()) for _ in range(size.repeats + 1)])[1:]
+def paired(
+    size: Size, turns: int, reference: Callable[[int], float], run: Callable[[int], float]
+) -> tuple[float, float, float]:
+    """Medians of the reference's speed, of ``run``'s and of their ratio, in turns, of which ``run`` gets the number."""
+    table = np.array([(reference(size.single_steps), run(turn)) for turn in range(turns)])
     return float(np.median(table[:, 0])), float(np.median(table[:, 1])), float(np.median(table[:, 1] / table[:, 0]))
 
 
@@ -100,14 +110,19 @@ def speeds(size: Size) -> list[Row]:
     say("speed: one environment")
     jaw, reference = gym.make(DEFAULT_ENV, control="force"), humanoid()
     jaw.reset(seed=0)
-    theirs, rate, ratio = paired(size, reference, lambda: run_single(jaw, sinusoids(None), size.single_steps))
+
+    def alone(_: int) -> float:
+        jaw.reset()
+        return run_single(jaw, sinusoids(None), size.single_steps)
+
+    theirs, rate, ratio = paired(size, size.repeats, reference, alone)
     rows = [
         Row("Humanoid-v5, one environment, random actions", f"{theirs:,.0f} steps/s"),
         Row("Jaw-v3, one environment, force, filter included", f"{rate:,.0f} steps/s"),
         Row("  over Humanoid-v5, median of paired ratios", f"{ratio:.2f} x", ">= 3 x", bool(ratio >= 3.0)),
     ]
     for env_id in COMPARED:
-        for control in CONTROLS:
+        for control in CONTROLS if env_id == DEFAULT_ENV else CONTROLS[-1:]:
             rows += batch_speeds(size, reference, env_id, control)
     return rows
 
@@ -116,19 +131,18 @@ def batch_speeds(size: Size, reference: Callable[[int], float], env_id: str, con
     """256 worlds in one control mode. A step of targets control is counted as the steps of 20 Hz that it lasts."""
     vec: Any = gym.make_vec(env_id, num_envs=WORLDS, control=control)
     per_step = vec.configuration.ticks_per_step * TICK * CONTROL_HZ
-    steps = max(int(size.vector_steps / per_step), 2)
+    steps = int(size.episode_s * CONTROL_HZ / per_step)
+    vec.reset(seed=0)
+    vec.step(vec.action_space.sample())  # compiled, or read
     model, rows = env_id.partition("/")[2], []
     for name, agent in agents_of(control).items():
         say(f"speed: {model}, {control}, {name}")
-        agent.reset(WORLDS, 0)
-        observation = vec.reset(seed=0)[0]
-
-        def run() -> float:
-            nonlocal observation
-            rate, observation = run_driven(vec, agent, observation, steps)  # noqa: B023 - called in this turn alone
-            return rate * per_step
-
-        _, rate, ratio = paired(size, reference, run)
+        _, rate, ratio = paired(
+            size,
+            size.episodes,
+            reference,
+            lambda turn, agent=agent: per_step * run_driven(vec, agent, steps, turn),  # type: ignore[misc]
+        )
         wanted = env_id == DEFAULT_ENV
         unit = "env-steps/s" if control != "targets" else "env-steps/s of 20 Hz"
         rows += [
@@ -148,8 +162,11 @@ class Sinusoids:
 
     name, control = "sinusoids", "force"
 
+    def __init__(self, strength: float = 0.3) -> None:
+        self.strength = strength
+
     def reset(self, num_envs: int, seed: int | None = None) -> None:
-        self.step, self.action = 0, sinusoids(num_envs)
+        self.step, self.action = 0, sinusoids(num_envs, self.strength)
 
     def predict(self, observation: np.ndarray, **_: object) -> tuple[np.ndarray, None]:
         self.step += 1
@@ -168,7 +185,7 @@ def ladder_speeds(size: Size) -> list[Row]:
         run_single(alone, sinusoids(None), 20)
         run_vector(vec, sinusoids(WORLDS), 2)
         one = run_single(alone, sinusoids(None), max(size.single_steps // share, 50))
-        many = run_vector(vec, sinusoids(WORLDS), max(size.vector_steps // share, 2))
+        many = run_vector(vec, sinusoids(WORLDS), max(60 // share, 2))
         rows += [
             Row(f"{env_id.partition('/')[2]}, one environment", f"{one:,.0f} steps/s"),
             Row(f"{env_id.partition('/')[2]}, {WORLDS} worlds", f"{many:,.0f} env-steps/s"),

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from jawenv.kernels.cache import LEVELS
+
 ROOT = Path(__file__).parents[2]
 WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -51,6 +53,13 @@ def test_every_python_that_is_named_is_tested() -> None:
     versions = tested["jobs"]["test"]["strategy"]["matrix"]["python"]
     named = [line.rsplit(" ", 1)[1] for line in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", line)]
     assert versions == named == ["3.11", "3.12", "3.13"]
+
+
+def test_kernels_that_are_kept_between_runs_fit_every_runner() -> None:
+    job = yaml.safe_load((ROOT / ".github/workflows/test.yml").read_text(encoding="utf-8"))["jobs"]["test"]
+    assert LEVELS[job["env"]["NUMBA_CPU_NAME"]] == job["env"]["NUMBA_CPU_FEATURES"]
+    (kept,) = [step["with"] for step in job["steps"] if "actions/cache@" in str(step.get("uses"))]
+    assert "hashFiles(" in kept["key"] and "matrix.python" in kept["key"]
 
 
 def test_the_citation_has_the_version() -> None:

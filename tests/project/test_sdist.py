@@ -10,6 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 STRAYS = (
+    "jawenv/kernels/shipped/a.norm-0/0.kernel",
     "runs/old/report.html",
     ".venv/lib/x.py",
     "jawenv/__pycache__/a.cpython-311.pyc",

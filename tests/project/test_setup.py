@@ -55,6 +55,17 @@ def build_editable(folder, config_settings=None, metadata_directory=None):
 build_wheel = build_editable
 """
 
+PLAYED = """
+import pathlib, time
+from unittest.mock import MagicMock
+
+def make(env_id, **options):
+    while not pathlib.Path("goes on").exists():
+        time.sleep(0.05)
+    pathlib.Path("played").write_text(env_id)
+    return MagicMock()
+"""
+
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
@@ -115,6 +126,23 @@ def test_the_life_of_a_venv(project: Path) -> None:
     failed = set_up(project, "eval")
     assert failed.returncode == 1 and "no such backend today" in failed.stderr
     assert "error: pip could not install" in failed.stderr and (project / ".venv" / ".unfinished").exists()
+
+
+def test_kernels_are_compiled_while_the_rest_is_installed(project: Path) -> None:
+    """By a step of Jaw-v3, here of a stand-in, which does not hold the lock of set-ups."""
+    (project / "jawenv.py").touch()
+    (project / "gymnasium.py").write_text(PLAYED)
+    assert set_up(project, "train").returncode == 0 and not (project / "played").exists()
+    shutil.rmtree(project / ".venv")
+    after = set_up(project, "train", COMPILE="1")
+    assert after.returncode == 0 and "compiling kernels meanwhile" in after.stdout, after.stdout + after.stderr
+    assert "is ready" in set_up(project, "train", COMPILE="1").stdout
+    assert not (project / "played").exists(), "it is still at work"
+    (project / "goes on").touch()
+    deadline = time.monotonic() + 60
+    while not (project / "played").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert (project / "played").read_text() == "jawenv/Jaw-v3"
 
 
 @pytest.mark.parametrize("exit_status", [1, None], ids=["too old", "none"])

@@ -13,6 +13,7 @@ from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[2]
 DATA = (".toml", ".json", ".yaml")
+KERNEL = "jawenv/kernels/shipped/jawenv.kernels.noise.philox-0123456789abcdef/0123456789abcdef01234567.kernel"
 
 
 @pytest.fixture(scope="module")
@@ -24,6 +25,8 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
         shutil.copytree(ROOT / name, copy / name, ignore=ignored)
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, copy)
+    (copy / KERNEL).parent.mkdir(parents=True, exist_ok=True)
+    (copy / KERNEL).touch()
     (copy / "dist").mkdir()
     build = "from setuptools import build_meta; build_meta.build_wheel('dist')"
     subprocess.run([sys.executable, "-c", build], cwd=copy, check=True, capture_output=True, timeout=120)
@@ -53,6 +56,10 @@ def test_every_module_and_data_file_is_in_it(names: set[str]) -> None:
     assert any(name.endswith(DATA) for name in wanted)
     assert "jawenv/py.typed" in wanted
     assert wanted <= names
+
+
+def test_kernels_that_were_made_for_it_are_in_it(names: set[str]) -> None:
+    assert KERNEL in names
 
 
 def test_alone_it_brings_neither_pictures_nor_references(wheel: Path) -> None:
