@@ -14,7 +14,7 @@ Table = list[dict[str, float]]
 """Evaluations of one run, a row each, by the names of the columns."""
 
 
-class Curve(NamedTuple):
+class _Curve(NamedTuple):
     """Columns of learning curves: name, title of the axis, factor to its unit."""
 
     column: str
@@ -23,9 +23,9 @@ class Curve(NamedTuple):
 
 
 CURVES = (
-    Curve("worst_sd_10s", "worst sd at 10 s, %", 100.0),
-    Curve("worst_sd", "worst sd at the end, %", 100.0),
-    Curve("discomfort_s", "discomfort, s per 30 s", 1.0),
+    _Curve("worst_sd_10s", "worst sd at 10 s, %", 100.0),
+    _Curve("worst_sd", "worst sd at the end, %", 100.0),
+    _Curve("discomfort_s", "discomfort, s per 30 s", 1.0),
 )
 
 

@@ -13,13 +13,13 @@ from agents.sampling_planner import SamplingPlanner
 from jawenv.controls import Control
 
 
-class MakesPlanner(Protocol):
+class _MakesPlanner(Protocol):
     """Makes a planner for a control mode, or raises ``InputError``."""
 
     def __call__(self, *, control: Control) -> Planner: ...  # noqa: D102
 
 
-PLANNERS: Mapping[str, MakesPlanner] = MappingProxyType(
+PLANNERS: Mapping[str, _MakesPlanner] = MappingProxyType(
     {
         "myopic": partial(SamplingPlanner, "myopic"),
         "clairvoyant_myopic": partial(SamplingPlanner, "clairvoyant_myopic", clairvoyant=True),

@@ -116,7 +116,7 @@ def read_into(path: str | os.PathLike[str], build: Callable[[Mapping[str, Any]],
         raise InputError(f"{os.fspath(path)}: {error}") from None
 
 
-class Loadable(Protocol):
+class _Loadable(Protocol):
     """A class whose objects can be made of a mapping of their fields, or of a file that holds one."""
 
     @classmethod
@@ -130,7 +130,7 @@ class Loadable(Protocol):
         ...
 
 
-Kind = TypeVar("Kind", bound=Loadable)
+Kind = TypeVar("Kind", bound=_Loadable)
 
 
 def instance_of(kind: type[Kind], source: object, name: str) -> Kind:

@@ -28,7 +28,7 @@ AGENTS = tuple(dict.fromkeys((*BASELINES, *maneuver_names(), *EXCITATIONS)))
 PUBLIC = 100
 
 
-def share_accused(ratios, number, shuffles, better, random):
+def _share_accused(ratios, number, shuffles, better, random):
     """Of shuffles whose chance is below the level."""
     accused = 0
     for _ in range(shuffles):
@@ -59,7 +59,7 @@ def main():
         if agent != fresh.MANEUVER:
             ratios = fresh.log_ratios(mine, times[fresh.MANEUVER])
             how = (arguments.shuffles, arguments.better, random)
-            shares = [share_accused(ratios, number, *how) for number in arguments.fresh]
+            shares = [_share_accused(ratios, number, *how) for number in arguments.fresh]
             table.append([agent, *(f"{100.0 * share:.2f}" for share in shares)])
     means = np.array([row[1:] for row in table], dtype=float).mean(axis=0)
     table.append(["mean", *(f"{mean:.2f}" for mean in means)])

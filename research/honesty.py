@@ -7,7 +7,7 @@ bias: the largest mean z of all parameters, seven cohorts, three controls. corne
 corners of their range. memory: a disturbance with memory, told rightly and wrongly. alarm: what rings, of calibrated
 episodes and of others. change: how much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo
 moves, beside the filter's own. effects: how wrong belief and change are under each effect that the filter is not told.
-all: those of the page, each under its title, on as many patients as ``ALL`` says. A row is printed as soon as it is
+all: those of the page, each under its title, on as many patients as ``ALL`` says. A _row is printed as soon as it is
 there.
 """
 
@@ -70,7 +70,7 @@ class Held:
         return 1.0 - 2.0 * (corners[:, None] >> np.arange(4) & 1), None
 
 
-class BeliefSample(NamedTuple):
+class _BeliefSample(NamedTuple):
     """Beliefs about N patients at one time, without ended episodes."""
 
     nees: np.ndarray  # over the number of parameters
@@ -99,7 +99,7 @@ def beliefs(agent, arguments, **kwargs):
     for first in range(0, arguments.patients, LOT):
         number = min(LOT, arguments.patients - first)
         lots.append(_last(jawenv.play(agent, patients=number, seed=arguments.seed + first, env_kwargs=kwargs)))
-    return BeliefSample(*(np.concatenate(parts) for parts in zip(*lots, strict=True)))
+    return _BeliefSample(*(np.concatenate(parts) for parts in zip(*lots, strict=True)))
 
 
 def _last(played):
@@ -110,12 +110,12 @@ def _last(played):
     return nees, error / sd, sd, played.misfit[reached, -1] > 1.0
 
 
-def row(*cells):
+def _row(*cells):
     print("| " + " | ".join(map(str, cells)) + " |", flush=True)
 
 
 def head(*cells):
-    row(*cells)
+    _row(*cells)
     print("|---|" + (len(cells) - 1) * "--:|", flush=True)
 
 
@@ -123,7 +123,7 @@ def corners(arguments):
     head("control", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest", "rings, %")
     for control in CONTROLS:
         sample = beliefs(Held(control), arguments, control=control)
-        row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
+        _row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
 
 
 def memory(arguments):
@@ -131,7 +131,7 @@ def memory(arguments):
     for name, time, factor in product((RICH, SWINGS, PLAIN), (0.05, 0.1, 0.5, 1.0, 2.0), (1.0, 1.0 / 3.0, 3.0)):
         kwargs = {"device": {"unmodelled_time_s": time * factor}, "reality": {"unmodelled_time_s": time}}
         sample = beliefs(load_agent(name), arguments, **kwargs)
-        row(name, f"{time:g}", f"{time * factor:.2g}", sample.figures(), sample.ringing())
+        _row(name, f"{time:g}", f"{time * factor:.2g}", sample.figures(), sample.ringing())
 
 
 def bias(arguments):
@@ -141,7 +141,7 @@ def bias(arguments):
         sample = beliefs(load_agent(name, control=control), arguments, cohort=cohort, control=control)
         means = statistics.means_together(sample.z)
         worst = int(np.argmax([abs(mean.value) for mean in means]))
-        row(cohort, control, name, sample.figures(), words.with_interval(means[worst], 2), names[worst])
+        _row(cohort, control, name, sample.figures(), words.with_interval(means[worst], 2), names[worst])
 
 
 def alarm(arguments):
@@ -151,7 +151,7 @@ def alarm(arguments):
         for name in (RICH, SWINGS, "hold_still", *POLICY_LIKE):
             agent = load_agent(name, control=control)
             sample = beliefs(agent, arguments, cohort=cohort, control=control)
-            row(cohort, control, name, sample.figures(), sample.ringing())
+            _row(cohort, control, name, sample.figures(), sample.ringing())
             total.append(sample.rings)
     rings = np.concatenate(total)
     print(f"\n{rings.sum()} of {len(rings)} honest episodes ring: {100.0 * rings.mean():.2f} %\n", flush=True)
@@ -162,11 +162,11 @@ def alarm(arguments):
         effects = ", ".join(f"`{field}={value:g}`" for field, value in reality.items())
         wrong = sample.nees > 4.0
         share = f"{100.0 * sample.rings[wrong].mean():.0f}" if wrong.any() else "–"
-        row(effects, name, sample.figures(), f"{wrong.sum()} of {len(wrong)}", share)
+        _row(effects, name, sample.figures(), f"{wrong.sum()} of {len(wrong)}", share)
 
 
 @dataclass(frozen=True)
-class Elsewhere(Entry):
+class _Elsewhere(Entry):
     """An entry whose truth departs from the filter's model by other arguments of the environment."""
 
     truth: dict[str, Any] = field(default_factory=dict)
@@ -176,7 +176,7 @@ class Elsewhere(Entry):
         return super().env_kwargs | self.truth
 
 
-def changes_between(entry, arguments):
+def _changes_between(entry, arguments):
     """First treatments (N), (estimate - truth) / sd of each change to a second (N, 12) with drift 0.1, and the sds."""
     prior, firsts, z, sd = population_of(entry).prior, [], [], []
     for seed in range(arguments.seed, arguments.seed + arguments.patients):
@@ -202,10 +202,10 @@ def change(arguments):
     for name, seconds in product((RICH, SWINGS), (10.0, 30.0)):
         settings = Settings.of(1, arguments.seed, episode_s=seconds, knowledge=_sds(arguments.knowledge))
         (entry,) = load_entries([name], settings.world)
-        _, z, sd = changes_between(entry, arguments)
+        _, z, sd = _changes_between(entry, arguments)
         width = f"{200.0 * 1.96 * np.median(sd):.1f} %"
         spread = f"{100.0 * np.max(sd, axis=1).mean():.1f} / {100.0 * np.median(sd):.1f} %"
-        row(name, f"{seconds:g} s", len(sd), inside(z), spread, width, f"{np.mean(np.square(z)):.2f}")
+        _row(name, f"{seconds:g} s", len(sd), inside(z), spread, width, f"{np.mean(np.square(z)):.2f}")
 
 
 def effects(arguments):
@@ -215,10 +215,10 @@ def effects(arguments):
     truths = {title: {"reality": values} for title, values in read("robustness")[1].reality.items()}
     head("effect", "NEES/12, 10 s", "rings, %", "change inside 95 %, %", "its error, median, %", "its sd, median, %")
     for title, truth in (truths | {"a jaw that MuJoCo moves": {"plant": MUJOCO}}).items():
-        firsts, z, sd = changes_between(Elsewhere(**vars(entry), truth=truth), arguments)
+        firsts, z, sd = _changes_between(_Elsewhere(**vars(entry), truth=truth), arguments)
         nees = words.with_interval(statistics.mean(np.array([first.nees for first in firsts]) / z.shape[1]), 2)
         rings = f"{100.0 * np.mean([first.rings for first in firsts]):.0f}"
-        row(title, nees, rings, inside(z), f"{100.0 * np.median(np.abs(z * sd)):.1f}", f"{100.0 * np.median(sd):.1f}")
+        _row(title, nees, rings, inside(z), f"{100.0 * np.median(np.abs(z * sd)):.1f}", f"{100.0 * np.median(sd):.1f}")
 
 
 def jaws(arguments):
@@ -232,7 +232,7 @@ def jaws(arguments):
     }
     for (title, kwargs), name, (jaw, plant) in product(filters.items(), (RICH, PLAIN), plants.items()):
         sample = beliefs(load_agent(name), arguments, **kwargs, plant=plant)
-        row(title, name, jaw, sample.figures(), sample.sds(), sample.ringing())
+        _row(title, name, jaw, sample.figures(), sample.sds(), sample.ringing())
 
 
 def _sds(name):
@@ -248,7 +248,7 @@ ALL = {
     "jaws": ("A jaw that the filter does not know", 16, 376_000),
     "effects": ("What the filter is not told, and the change", 16, 376_000),
 }
-"""Table -> its title, patients of a row and first seed; those of ``docs/tables/honesty.md``."""
+"""Table -> its title, patients of a _row and first seed; those of ``docs/tables/honesty.md``."""
 
 
 def every(arguments):
@@ -265,7 +265,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure how honest the filter is.")
     parser.add_argument("table", choices=("all", *TABLES))
     parser.add_argument("--knowledge", default="exact")
-    parser.add_argument("--patients", type=int, default=200, help="of each row")
+    parser.add_argument("--patients", type=int, default=200, help="of each _row")
     parser.add_argument("--seed", type=int, default=20_000)
     arguments = parser.parse_args()
     (TABLES | {"all": every})[arguments.table](arguments)

@@ -34,7 +34,7 @@ HONEST = ("exact", "imaged", "20 Hz", "5 % lost")
 Spoil = Callable[[Array, Array], tuple[Array, Array]]
 
 
-def spoilings(start: Array) -> dict[str, Spoil]:
+def _spoilings(start: Array) -> dict[str, Spoil]:
     """Common faults in ``measured`` (T + 1, 12) and ``samples`` (T, 3, 6); ``start`` (3) is the first position."""
     right = np.array([1.0, -1.0, 1.0])
     pitch = np.array([1, 1, 1, -1, 1, 1, 1, 1, 1, 1, -1, 1.0])
@@ -65,7 +65,7 @@ RATES = {"frame numbers as s": 100.0, "ms as s": 1e3, "us as s": 1e6}
 def spoilt(record: Record, strength: float) -> Iterator[tuple[str, Record]]:
     """The record, spoilt in each way."""
     m, s = record.measured, record.samples
-    for name, change in spoilings(record.measured[0, :3]).items():
+    for name, change in _spoilings(record.measured[0, :3]).items():
         measured, samples = change(m, s)
         yield (
             name,

@@ -80,7 +80,7 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class OfSeeds(Times):
+class _OfSeeds(Times):
     """Times of patients whose seeds do not follow each other; the number of a patient is its place among them."""
 
     made_by = (outcomes, times)
@@ -157,7 +157,7 @@ def _placed(cell: Cell, on: str) -> Cell:
 def _fresh(cell: Cell, seeds: tuple[int, ...]) -> Cell:
     """The cell with other patients."""
     task = times_of(TASKS[str(cell.levels["task"])])
-    rows = OfSeeds(task.within, task.episode_s, task.comfort_limit_s, seeds)
+    rows = _OfSeeds(task.within, task.episode_s, task.comfort_limit_s, seeds)
     return replace(cell, seeds=range(len(seeds)), rows=rows)
 
 

@@ -153,7 +153,7 @@ def make(
     notes = {tuple(cell.levels.values()): cell.load().note for cell in cells}
     scores = tuple(scored(task, agent, of_cell, notes[task, agent]) for (task, agent), of_cell in by_cell(rows).items())
     return Submission(
-        benchmark=VERSION, tasks_digest=digest(), agents=tuple(agents), scores=scores, made_with=json_of(metadata)
+        benchmark=VERSION, tasks_digest=digest(), agents=tuple(agents), scores=scores, made_with=_json_of(metadata)
     )
 
 
@@ -177,7 +177,7 @@ def spec_of(agent: SubmittedAgent, folder: Path) -> str:
     return agent.spec if agent.copy_at is None else str(folder / agent.copy_at)
 
 
-def json_of(metadata: dict[str, Any]) -> dict[str, Any]:
+def _json_of(metadata: dict[str, Any]) -> dict[str, Any]:
     """A mapping after a way through JSON: lists for tuples, texts for keys."""
     plain: dict[str, Any] = json.loads(json.dumps(metadata))
     return plain

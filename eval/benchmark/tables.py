@@ -45,7 +45,7 @@ def score_table(rows: pd.DataFrame) -> Table:
     return Table(["agent", *tasks], table, note=NOTE, title=f"{VERSION}: s until the truth is found, lower is better")
 
 
-def details_table(rows: pd.DataFrame) -> Table:
+def _details_table(rows: pd.DataFrame) -> Table:
     """A task and an agent a row, with the figures beside the score."""
     table, head = [], ["task", "agent", "patients"]
     for (task, agent), cell in by_cell(rows).items():
@@ -79,7 +79,7 @@ def markdown(rows: pd.DataFrame, metadata: dict[str, Any]) -> str:
         _how_many(rows, tasks),
         score_table(rows).markdown(),
         "## Beside the scores",
-        details_table(rows).markdown(),
+        _details_table(rows).markdown(),
         "## Tasks",
         Table(TASK_HEAD, [task_row(task) for task in tasks], range(len(TASK_HEAD) - 2)).markdown(),
     ]

@@ -26,7 +26,7 @@ _SEED = re.compile(r"(?P<stem>.+)-seed\d+")
 _KINDS = ("replay", "yoked replay")  # of `eval.episodes.replays.add_replays`, in its order
 
 
-class Difference(NamedTuple):
+class _Difference(NamedTuple):
     """A comparison of a figure patient by patient."""
 
     title: str  # heading of the difference
@@ -34,15 +34,15 @@ class Difference(NamedTuple):
     digits: int  # decimals
 
 
-DIFFERENCES: Mapping[str, Difference] = MappingProxyType(
+DIFFERENCES: Mapping[str, _Difference] = MappingProxyType(
     {
-        "early_worst_sd": Difference(f"log of the worst sd, {EARLY_S:g} s", True, 3),
-        "worst_sd": Difference("log of the worst sd, end", True, 3),
-        "early_rmse": Difference(f"log of the true error, {EARLY_S:g} s", True, 2),
-        "rmse": Difference("log of the true error, end", True, 2),
-        "early_information_true": Difference(f"true nats, {EARLY_S:g} s", False, 2),
-        "information_true": Difference("true nats, end", False, 2),
-        "discomfort_s": Difference("discomfort, s", False, 3),
+        "early_worst_sd": _Difference(f"log of the worst sd, {EARLY_S:g} s", True, 3),
+        "worst_sd": _Difference("log of the worst sd, end", True, 3),
+        "early_rmse": _Difference(f"log of the true error, {EARLY_S:g} s", True, 2),
+        "rmse": _Difference("log of the true error, end", True, 2),
+        "early_information_true": _Difference(f"true nats, {EARLY_S:g} s", False, 2),
+        "information_true": _Difference("true nats, end", False, 2),
+        "discomfort_s": _Difference("discomfort, s", False, 3),
     }
 )
 """Of figures of the catalogue, by their names."""

@@ -32,7 +32,7 @@ VERSION = 0
 _FOLDER = "MINARI_DATASETS_PATH"
 
 
-def dataset_id(entry: Entry) -> str:
+def _dataset_id(entry: Entry) -> str:
     """Its name, as ``jawenv/jaw/refined-v0``."""
     name = re.sub(r"[^A-Za-z0-9_]+", "_", entry.label).strip("_")
     return f"jawenv/{model_of_env(entry.env_id).name}/{name}-v{VERSION}"
@@ -82,8 +82,8 @@ def write_all(
             raise InputError(
                 f"{entry.label} plans in copies of the worlds; allowed: entries that decide by observation"
             )
-        if (output / dataset_id(entry)).exists() and not fresh:
-            raise InputError(f"{output / dataset_id(entry)} exists; use --fresh, or another --output")
+        if (output / _dataset_id(entry)).exists() and not fresh:
+            raise InputError(f"{output / _dataset_id(entry)} exists; use --fresh, or another --output")
     output.mkdir(parents=True, exist_ok=True)
     with (
         alone(output),
@@ -91,15 +91,15 @@ def write_all(
         Progress(len(entries) * settings.patients, "episodes", console) as progress,
     ):
         for number, entry in enumerate(entries):
-            if (output / dataset_id(entry)).exists():
-                minari.delete_dataset(dataset_id(entry))
+            if (output / _dataset_id(entry)).exists():
+                minari.delete_dataset(_dataset_id(entry))
             progress.say(entry.label)
             done = number * settings.patients
             description = _description(entry, settings, made)
             _write(entry, settings, file_format, description, partial(_advance, progress, done))
             if croissant:
-                write_croissant(output / dataset_id(entry), dataset_id(entry), description)
-    return [dataset_id(entry) for entry in entries]
+                write_croissant(output / _dataset_id(entry), _dataset_id(entry), description)
+    return [_dataset_id(entry) for entry in entries]
 
 
 def _advance(progress: Progress, done: int, more: int) -> None:
@@ -126,7 +126,7 @@ def _write(
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "`(code_permalink|author_email)` is set to None")  # there is none
             collector.create_dataset(
-                dataset_id(entry),
+                _dataset_id(entry),
                 eval_env=gym.make(entry.env_id, **entry.env_kwargs),
                 algorithm_name=entry.label,
                 author="jawenv",

@@ -98,7 +98,7 @@ def play_parts(parts: Sequence[tuple[Cell, Part]], run: Run | None = None, unit:
     needed = {path: cell.rows.columns for cell, part in parts for _, path in part.files}
     tables = finish(
         [part for _, part in parts],
-        partial(play_part, cells=cells),
+        partial(_play_part, cells=cells),
         lambda path: read_table(path, needed[path])[0],
         unit,
         run,
@@ -106,7 +106,7 @@ def play_parts(parts: Sequence[tuple[Cell, Part]], run: Run | None = None, unit:
     return pd.concat([_placed(tables[path], cell) for cell, part in parts for _, path in part.files], ignore_index=True)
 
 
-def play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> None:
+def _play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> None:
     """Play the patients of a part and keep their rows.
 
     Args:

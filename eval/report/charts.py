@@ -39,7 +39,7 @@ def all_charts(study: Results, ranking: Ranking) -> dict[str, Chart]:
     }
     if len(ranking.rows) > 1:
         charts["differences"] = differences(study, ranking)
-    charts |= {f"reached_{100 * target:g}": reached(study, ranking, target) for target in TARGETS}
+    charts |= {f"reached_{100 * target:g}": _reached(study, ranking, target) for target in TARGETS}
     return charts
 
 
@@ -130,7 +130,7 @@ def _nees_ticks(ranking: Ranking) -> Chart:
     return {"tickvals": [round(factor * 10.0**k, 6) for k in range(-1, 7) for factor in (_FINE if narrow else _COARSE)]}
 
 
-def reached(study: Results, ranking: Ranking, target: float) -> Chart:
+def _reached(study: Results, ranking: Ranking, target: float) -> Chart:
     """Share of the patients with a worst sd at or below a target, over time."""
     longest = float(study.patients["duration_s"].max())
     traces = []

@@ -74,10 +74,10 @@ def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) 
                 continue
             assert estimate is not None, "there is an estimate of every world that reached a time"
             rows.append(row | _judge(recording, world, estimate, time))
-    return pd.DataFrame(rows, columns=columns_of(recording.parameter_names))
+    return pd.DataFrame(rows, columns=_columns_of(recording.parameter_names))
 
 
-def columns_of(parameters: Sequence[str]) -> list[str]:
+def _columns_of(parameters: Sequence[str]) -> list[str]:
     """Names of the columns for these parameters."""
     figures = ["nees", "energy", "claimed", "true", *(f"inside_{sigmas}" for sigmas in SIGMAS)]
     own = [f"{kind}/{name}" for kind in ("error", "sd", "bound_sd") for name in parameters]
@@ -98,7 +98,7 @@ def _estimate(recording: Recording, world: int, name: str, times: tuple[float, .
 
 def _judge(recording: Recording, world: int, estimate: Estimate, time: float) -> dict[str, object]:
     """The figures of one belief."""
-    index, step = index_of(estimate.time, time), index_of(recording.time, time)
+    index, step = _index_of(estimate.time, time), _index_of(recording.time, time)
     mean, cov, truth = estimate.mean[index], estimate.cov[index], recording.truth[world]
     if not (np.isfinite(mean).all() and np.isfinite(cov).all()):
         return {"outcome": DIVERGED}
@@ -126,7 +126,7 @@ def _energy_score(error: Array, cov: Array) -> float:
     return float(es_ensemble(np.zeros(len(error)), draws, estimator="akr", backend="numpy"))
 
 
-def index_of(times: Array, time: float) -> int:
+def _index_of(times: Array, time: float) -> int:
     """Number of the kept time nearest to a time."""
     index = int(np.abs(times - time).argmin())
     if abs(float(times[index]) - time) > LATE:

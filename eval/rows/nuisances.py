@@ -37,7 +37,7 @@ ERROR, LEFT = "nuisance_z2", "nuisance_left"
 """Columns of a group, ``<one of these>/<group>``: mean of (error / sd) squared, and of the sd in prior sds."""
 
 
-def group_of(direction: Values) -> str:
+def _group_of(direction: Values) -> str:
     """The group of one of the filter's nuisances."""
     return next(group for name, group in _OF_NAME.items() if np.any(direction[name]))
 
@@ -60,7 +60,7 @@ class NuisanceBeliefs:
         rate = simulation.configuration.steps_per_s
         for time in self._times:
             if round(time * rate) == self._step:
-                self._kept[time] = [figures_of(simulation, world) for world in range(len(simulation.worlds))]
+                self._kept[time] = [_figures_of(simulation, world) for world in range(len(simulation.worlds))]
         self._step += 1
 
     def added_to(self, rows: pd.DataFrame, first_seed: int) -> pd.DataFrame:
@@ -74,11 +74,11 @@ class NuisanceBeliefs:
         return rows.join(pd.DataFrame(chosen, index=rows.index))
 
 
-def figures_of(simulation: Any, world: int) -> dict[str, float]:
+def _figures_of(simulation: Any, world: int) -> dict[str, float]:
     """Mean of (error / sd) squared of each group, and of its sds as shares of the prior's."""
     mean, sd = belief_of_nuisances(simulation, world)
     squares: NDArray[np.float64] = np.square((mean - simulation.worlds["truth"]["nuisances"][world]) / sd)
-    groups = np.array([group_of(direction) for direction in simulation.nuisance_sds])
+    groups = np.array([_group_of(direction) for direction in simulation.nuisance_sds])
     figures: dict[str, float] = {}
     for group in dict.fromkeys(groups):
         chosen = groups == group

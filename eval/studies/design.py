@@ -66,7 +66,7 @@ class EnvironmentChoice(InputModel):
         return self.env + filters + (f", {self.knowledge}" if self.knowledge else "")
 
 
-class Side(InputModel):
+class _Side(InputModel):
     """One side of a pair by its own levels; in all others it equals the other side."""
 
     entry: str | None = None  # label of a maneuver or agent
@@ -89,7 +89,7 @@ class Side(InputModel):
         )
 
 
-Pair = tuple[Annotated[Side, _named("entry")], Annotated[Side, _named("entry")]]
+Pair = tuple[Annotated[_Side, _named("entry")], Annotated[_Side, _named("entry")]]
 
 
 class Design(InputModel):

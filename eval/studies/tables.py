@@ -66,7 +66,7 @@ def of_cells(table: pd.DataFrame, design: Design) -> Table:
     return Table(head, rows, _texts(head, rows), NOTE, design.title)
 
 
-def of_pairs(table: pd.DataFrame, design: Design) -> Table:
+def _of_pairs(table: pd.DataFrame, design: Design) -> Table:
     """The table of pairs.
 
     Args:
@@ -98,7 +98,7 @@ def _compared(row: Mapping[Any, Any]) -> str:
     return _cell(difference, row["metric"]) + ("" if np.isnan(better.value) else f"; {share}")
 
 
-def of_profiles(table: pd.DataFrame, design: Design) -> Table:
+def _of_profiles(table: pd.DataFrame, design: Design) -> Table:
     """A table of some points of the profiles.
 
     Args:
@@ -146,6 +146,6 @@ def markdown(
     lines = [f"# {design.title}", *([design.description] if design.description else []), made]
     lines.append(of_cells(cells, design).markdown())
     if len(pairs):
-        lines += ["## Pairs", of_pairs(pairs, design).markdown()]
-    lines += ["## Profiles: share of the patients, %", of_profiles(profiles, design).markdown()]
+        lines += ["## Pairs", _of_pairs(pairs, design).markdown()]
+    lines += ["## Profiles: share of the patients, %", _of_profiles(profiles, design).markdown()]
     return "\n\n".join(lines) + "\n"

@@ -52,7 +52,7 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
     return [record.until(float(end)) for record, end in zip(recording.records or (), ends, strict=True)]
 
 
-def draw_sides(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
+def _draw_sides(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
     """Four parameters, by the filter of the thesis and by ours, over time."""
     for record in episodes("sides", "one_sided", rngs, quick):
         yield pd.concat(
@@ -105,7 +105,7 @@ def judge_sides(table: pd.DataFrame) -> Judgement:
     )
 
 
-def draw_full(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
+def _draw_full(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
     """Twelve parameters and, for the speed, four, over time."""
     jaws, sides = episodes("jaw", "trismus", rngs, quick), episodes("sides", "trismus", rngs, quick)
     for jaw, side in zip(jaws, sides, strict=True):
@@ -118,7 +118,7 @@ def draw_full(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.D
         )
 
 
-def time_to_known(table: pd.DataFrame, case: str) -> np.ndarray:
+def _time_to_known(table: pd.DataFrame, case: str) -> np.ndarray:
     """Seconds in each draw until the median parameter's sd is 10 %; infinite where it is never."""
     rows_of_case = rows.of_case(table, case)
     median = rows_of_case.groupby(["draw", "time_s"])["sd"].median().reset_index()
@@ -130,8 +130,8 @@ def judge_full(table: pd.DataFrame) -> Judgement:
     """Tracking is possible, slower than with two sides."""
     end = rows.last(table)
     error = {case: rows.rmse(rows.of_case(end, case)) for case in ("linear", "log")}
-    slow = statistics.quantile(time_to_known(table, "log"), 0.5)
-    fast = statistics.quantile(time_to_known(table, "two sides"), 0.5)
+    slow = statistics.quantile(_time_to_known(table, "log"), 0.5)
+    fast = statistics.quantile(_time_to_known(table, "two sides"), 0.5)
     prior = float(rows.of_case(table, "log").groupby("draw")["sd"].max().median())
     spacing = float(np.diff(np.unique(rows.of_case(table, "log")["time_s"])).max())
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
@@ -152,7 +152,7 @@ def judge_full(table: pd.DataFrame) -> Judgement:
     )
 
 
-def draw_noise(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
+def _draw_noise(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
     """Twelve parameters with and without noise on them."""
     for record in episodes("jaw", "trismus", rngs, quick):
         yield pd.concat([rows.of_estimate(f.estimate(record), record, case, TIMES) for case, f in NOISES.items()])
@@ -186,17 +186,17 @@ def judge_noise(table: pd.DataFrame) -> Judgement:
     )
 
 
-def figure_sides(table: pd.DataFrame) -> Figure:
+def _figure_sides(table: pd.DataFrame) -> Figure:
     """Tracking of one draw, and errors of all against 3 sigma."""
     return errors_with_bounds(table, {"linear": _TOLD["linear"], "log": _TOLD["log"]})
 
 
-def figure_full(table: pd.DataFrame) -> Figure:
+def _figure_full(table: pd.DataFrame) -> Figure:
     """Tracking of twelve parameters of one draw."""
     return tracking(table, "log", columns=4)
 
 
-def figure_noise(table: pd.DataFrame) -> Figure:
+def _figure_noise(table: pd.DataFrame) -> Figure:
     """Error and sd over time, with and without noise."""
     return noise_figure(table, tuple(NOISES))
 
@@ -212,9 +212,9 @@ SIDES = Item(
     "Figs. 6.9, 6.10; section 6.5.1",
     f"Four parameters, one F_o and b for each side: “converging and accurate results”, errors within 3σ. {NO_NUMBER}",
     _SETTING + " Cohort “one sided”.",
-    draw_sides,
+    _draw_sides,
     judge_sides,
-    figure_sides,
+    _figure_sides,
     "Above: one draw, estimate and 3σ against the truth, as Fig. 6.9. Below: errors of all draws (grey, up to 40) "
     "against the median 3σ, as Fig. 6.10.",
 )
@@ -225,9 +225,9 @@ FULL = Item(
     "“It is possible to track the 12 muscle parameters”; it “does not converge as quickly” as with two sides. "
     f"{NO_NUMBER}",
     _SETTING + " Cohort “trismus”.",
-    draw_full,
+    _draw_full,
     judge_full,
-    figure_full,
+    _figure_full,
     "One draw in logs: estimate and 3σ against the truth (dashed).",
 )
 NOISE = Item(
@@ -236,9 +236,9 @@ NOISE = Item(
     "Sections 6.5, 7.2",
     f"“The Kalman filter does not converge without noise injection” onto the constant parameters. {NO_NUMBER}",
     _SETTING + " Noise: none; 1 % per √s, constant; and 3 % per √s, decaying in 5 s.",
-    draw_noise,
+    _draw_noise,
     judge_noise,
-    figure_noise,
+    _figure_noise,
     "Median over the draws: error (line) and sd that the filter claims (dashes). Where the error is above the dashes "
     "the filter is too sure of itself.",
 )

@@ -23,7 +23,7 @@ NOISES = {"sensors": SENSORS, "sensors and forces": DEVICE}
 CLOSE = 0.1  # a mean this near to the truth, relative, is "close to the actual"
 
 
-def draw_linear(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def _draw_linear(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     """Three muscles in the plane by linearised least squares; F_o may come out negative, so there may be no logs."""
     del quick
     record = with_noise(plane_record(), SENSORS, rng)
@@ -92,7 +92,7 @@ def _nonlinear(clean: Record, rng: np.random.Generator, starts: int) -> pd.DataF
     return pd.concat(tables)
 
 
-def draw_plane(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def _draw_plane(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     """Three muscles in the plane by nonlinear least squares."""
     return _nonlinear(plane_record(), rng, 1 if quick else 2)
 
@@ -119,7 +119,7 @@ def judge_plane(table: pd.DataFrame) -> Judgement:
     )
 
 
-def draw_full(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def _draw_full(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     """Twelve parameters by nonlinear least squares, from the middle of a wide prior."""
     return _nonlinear(full_record(), rng, 1 if quick else 2)
 
@@ -129,7 +129,7 @@ def judge_full(table: pd.DataFrame) -> Judgement:
     other = spreads(rows.of_case(table, "sensors and forces"))
     fits = spreads(rows.of_case(table, "sensors"))
     inside, close = sum(spread.inside for spread in fits), sum(abs(spread.bias) <= CLOSE for spread in fits)
-    wrong, singly = wrongly_taken(table)
+    wrong, singly = _wrongly_taken(table)
     return Judgement(
         f"{inside} of {len(fits)} truths lie within one sd of the mean of {table['draw'].nunique()} draws, {close} of "
         f"{len(fits)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd is "
@@ -149,7 +149,7 @@ def judge_full(table: pd.DataFrame) -> Judgement:
     )
 
 
-def wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
+def _wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
     """Muscles with a mean F_o on the wrong side of the limit, and the share of such single fits."""
     forces = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
     truly = forces["true_value"] > FIBROSED_F_O_N
@@ -160,7 +160,7 @@ def wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
 
 def judge_physician(table: pd.DataFrame) -> Judgement:
     """Whether the stiff muscle, and no other, would be taken for stiff."""
-    wrong, singly = wrongly_taken(table)
+    wrong, singly = _wrongly_taken(table)
     right = words.scaled(Interval(1.0 - singly.value, 1.0 - singly.high, 1.0 - singly.low), 100.0)
     return Judgement(
         f"F_o lies on the right side of {FIBROSED_F_O_N:g} N in {words.number(right.value)} % of the single fits "
@@ -173,17 +173,17 @@ def judge_physician(table: pd.DataFrame) -> Judgement:
     )
 
 
-def figure_linear(table: pd.DataFrame) -> Figure:
+def _figure_linear(table: pd.DataFrame) -> Figure:
     """Histograms of six parameters."""
     return histograms(table, columns=6)
 
 
-def figure_nonlinear(table: pd.DataFrame) -> Figure:
+def _figure_nonlinear(table: pd.DataFrame) -> Figure:
     """Histograms of all parameters with the noise of the sensors."""
     return histograms(rows.of_case(table, "sensors"), columns=6)
 
 
-def figure_physician(table: pd.DataFrame) -> Figure:
+def _figure_physician(table: pd.DataFrame) -> Figure:
     """Verdict on the histograms that a physician would see."""
     return physician_view(rows.of_case(table, "sensors"))
 
@@ -206,9 +206,9 @@ LINEAR = Item(
     "The standard deviation of b is small while its mean has a large bias, “much larger than 3σ”. The histograms' "
     "numbers are not given in the text.",
     _PLANE,
-    one_by_one(draw_linear),
+    one_by_one(_draw_linear),
     judge_linear,
-    figure_linear,
+    _figure_linear,
     f"Estimates of all draws{_SHOWN} A negative F_o has no meaning, and with it b = (F_o b) / F_o has none.",
 )
 PLANE = Item(
@@ -218,9 +218,9 @@ PLANE = Item(
     "“Even with large measurement noise, the mean of the values is close to that of the actual stiffness "
     "parameters”: F_o 0.25, b 8; F_o 6, b 0.25 (printed; we take 0.25 and 6); F_o 0.4, b 6. The noise is not given.",
     _PLANE,
-    one_by_one(draw_plane),
+    one_by_one(_draw_plane),
     judge_plane,
-    figure_nonlinear,
+    _figure_nonlinear,
     "Estimates of all draws with the noise of the sensors" + _SHOWN,
 )
 FULL = Item(
@@ -231,9 +231,9 @@ FULL = Item(
     f"false indication of a healthy or a sick muscle. {NO_NUMBER}",
     "Six muscles, the left masseter stiff (F_o 3 N, b 12), the others normal (0.4 N, 7); opening to 20° with swings "
     "of 4° to the sides, 20 s; search from the middle of the prior “wide”.",
-    one_by_one(draw_full),
+    one_by_one(_draw_full),
     judge_full,
-    figure_nonlinear,
+    _figure_nonlinear,
     "Estimates of all draws with the noise of the sensors" + _SHOWN,
 )
 PHYSICIAN = Item(
@@ -243,9 +243,9 @@ PHYSICIAN = Item(
     "Predicted values with a bound of one sd, and with a confidence radius, show the physician which muscle is stiff. "
     f"{NO_NUMBER}",
     "The same patient and maneuver as for the 12 parameters.",
-    one_by_one(draw_full),
+    one_by_one(_draw_full),
     judge_physician,
-    figure_physician,
+    _figure_physician,
     "Mean and one sd of every muscle over the draws, left blue, right violet, with the truth in red; the last panel: "
     "the 95 % ellipse of F_o and b of each muscle.",
     same_draws_as="nonlinear_full",

@@ -71,7 +71,7 @@ def _smooth(time: Array, times: Array, values: Array) -> tuple[Array, Array]:
     return value, rise * 30.0 * (s * (1.0 - s)) ** 2 / length
 
 
-def wrench_of(jaw: Any, muscles: Array, motion: PrescribedMotion, time: Array) -> Array:
+def _wrench_of(jaw: Any, muscles: Array, motion: PrescribedMotion, time: Array) -> Array:
     """(N, 6) wrench on the mouthpiece, body axes, that gives the motion; the smallest one, as there is one too many.
 
     The accelerations are linear in the wrench, so that two evaluations per component say all.
@@ -119,7 +119,7 @@ def lead(
     q, u = motion.speeds(time)
     states = np.hstack([q, u])
     muscles = np.exp(log_parameters.reshape(-1, 2))[jaw["muscle"]]
-    wrench = wrench_of(jaw, muscles, motion, half)
+    wrench = _wrench_of(jaw, muscles, motion, half)
     wrenches = np.stack([wrench[:-2:2], wrench[1::2], wrench[2::2]], axis=1)
     rows, measured = np.zeros((N_MEASUREMENTS, states.shape[1])), np.zeros((ticks + 1, N_MEASUREMENTS))
     for k in range(ticks + 1):

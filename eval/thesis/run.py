@@ -66,7 +66,7 @@ def draw_all(items: Sequence[Item], settings: Draws, output: Path, run: Run | No
     folder = folder_for(output, "draws")
     parts = {item.key: parts_of_item(item, settings, folder) for item in items}
     every = list(dict.fromkeys(part for of_item in parts.values() for part in of_item))
-    drawn_parts = finish(every, partial(draw_part, settings=settings), rows_in, "draws of all results", run)
+    drawn_parts = finish(every, partial(_draw_part, settings=settings), rows_in, "draws of all results", run)
     return {
         key: pd.concat([drawn_parts[path] for part in of_item for _, path in part.files], ignore_index=True)
         for key, of_item in parts.items()
@@ -79,7 +79,7 @@ def parts_of_item(item: Item, settings: Draws, folder: Path) -> list[Part]:
     return parts_of(item.drawn_as, range(settings.draws), CHUNK, folder, {item.drawn_as: name})
 
 
-def draw_part(part: Part, progress: Progress, settings: Draws) -> None:
+def _draw_part(part: Part, progress: Progress, settings: Draws) -> None:
     """Make the draws of a part and keep them, all or none."""
     from eval.thesis.catalogue import ITEMS
 

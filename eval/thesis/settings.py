@@ -36,7 +36,7 @@ PATIENT = 7  # seed of the patient of sections 7.1 and 7.3.2
 STIFF, NORMAL = (3.0, 12.0), (0.4, 7.0)
 
 
-def logs(pairs: tuple[tuple[float, float], ...]) -> Array:
+def _logs(pairs: tuple[tuple[float, float], ...]) -> Array:
     """Log F_o and log b of each muscle in a row."""
     return np.log(np.array(pairs, dtype=np.float64)).ravel()
 
@@ -50,7 +50,7 @@ def opening(
     return {"theta": (times, tuple(theta)), "x": (times, tuple(SLIDE * theta + off))}
 
 
-def sideways(times: tuple[float, ...], yaw_deg: tuple[float, ...]) -> Keyframes:
+def _sideways(times: tuple[float, ...], yaw_deg: tuple[float, ...]) -> Keyframes:
     """Keyframes of swings to the side: yaw, and the condyles' midpoint 0.4 mm aside per degree."""
     yaw = np.radians(yaw_deg)
     return {"psi": (times, tuple(yaw)), "y": (times, tuple(0.4 * np.array(yaw_deg) / 1e3))}
@@ -62,7 +62,7 @@ def plane_record() -> Record:
     times = tuple(3.0 * k for k in range(11))
     degrees = (REST, 14, 25, 20, 8, REST, 10, 22, 25, 12, REST)
     motion = PrescribedMotion(opening(times, degrees, (0, 3, 1.5, -3, 2, 0, -2.5, 2.5, -3, 3, 0)))
-    return _of_muscles(known_muscle_sets()["pairs"], logs(THESIS_PLANE), motion, PLANE, "healthy")
+    return _of_muscles(known_muscle_sets()["pairs"], _logs(THESIS_PLANE), motion, PLANE, "healthy")
 
 
 @cache
@@ -70,28 +70,28 @@ def hinge_record() -> Record:
     """One muscle on a hinge, opened once."""
     motion = PrescribedMotion({"theta": ((0.0, 5.0, 10.0), tuple(np.radians((REST, 25.0, REST))))})
     free = (False, False, True, False, False)
-    return _of_muscles(known_muscle_sets()["closers"], logs(((0.9, 7.0),)), motion, free, "healthy")
+    return _of_muscles(known_muscle_sets()["closers"], _logs(((0.9, 7.0),)), motion, free, "healthy")
 
 
-def full_truth() -> Array:
+def _full_truth() -> Array:
     """Twelve parameters: the left masseter stiff, the other five muscles normal."""
-    return logs((STIFF, *(NORMAL,) * 5))
+    return _logs((STIFF, *(NORMAL,) * 5))
 
 
 @cache
 def full_record() -> Record:
     """Six muscles, opening with swings to the side and the condyle led off its natural slide."""
-    return _of_muscles(known_muscle_sets()["whole"], full_truth(), full_motion(20.0, True), ALL_FREE, "wide")
+    return _of_muscles(known_muscle_sets()["whole"], _full_truth(), _full_motion(20.0, True), ALL_FREE, "wide")
 
 
 @cache
 def sampled_record(dt: float) -> Record:
     """The same motion of a patient of cohort ``trismus``, sampled every ``dt`` seconds."""
     truth = cohort("trismus").draw_log_parameters(np.random.default_rng(PATIENT))
-    return _of_muscles(known_muscle_sets()["whole"], truth, full_motion(20.0, True), ALL_FREE, "trismus", dt)
+    return _of_muscles(known_muscle_sets()["whole"], truth, _full_motion(20.0, True), ALL_FREE, "trismus", dt)
 
 
-def full_motion(degrees: float, to_the_side: bool, seconds: float = 20.0) -> PrescribedMotion:
+def _full_motion(degrees: float, to_the_side: bool, seconds: float = 20.0) -> PrescribedMotion:
     """Up and down once, with three swings to each side at four degrees where asked for."""
     middle = 0.5 * (REST + degrees)
     share = np.array([0.0, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0]) * seconds
@@ -100,7 +100,7 @@ def full_motion(degrees: float, to_the_side: bool, seconds: float = 20.0) -> Pre
     )
     if to_the_side:
         steps = tuple(np.linspace(0.0, seconds, 9))
-        keyframes |= sideways(steps, (0.0, 4.0, -4.0, 4.0, -4.0, 4.0, -4.0, 0.0, 0.0))
+        keyframes |= _sideways(steps, (0.0, 4.0, -4.0, 4.0, -4.0, 4.0, -4.0, 0.0, 0.0))
     return PrescribedMotion(keyframes)
 
 
@@ -110,7 +110,7 @@ def maneuver_record(degrees: float, to_the_side: bool) -> Record:
 
     One patient of cohort ``trismus``, drawn once, and the prior of ``wide``, as there is no reliable guess.
     """
-    motion = full_motion(REST + degrees, to_the_side)
+    motion = _full_motion(REST + degrees, to_the_side)
     truth = cohort("trismus").draw_log_parameters(np.random.default_rng(PATIENT))
     return _of_muscles(known_muscle_sets()["whole"], truth, motion, ALL_FREE, "wide")
 
@@ -119,7 +119,7 @@ def maneuver_record(degrees: float, to_the_side: bool) -> Record:
 def lowering_then_sideways() -> Record:
     """Fig. 6.1: the jaw is lowered, then led to the left, then closed."""
     times = (0.0, 4.0, 5.0, 8.0, 9.0, 12.0)
-    keyframes = opening(times, (REST, 20, 20, 20, 20, REST)) | sideways(times, (0, 0, 0, 5, 5, 0))
+    keyframes = opening(times, (REST, 20, 20, 20, 20, REST)) | _sideways(times, (0, 0, 0, 5, 5, 0))
     truth = np.array(cohort("trismus").prior.mean)
     return _of_muscles(known_muscle_sets()["whole"], truth, PrescribedMotion(keyframes), ALL_FREE, "trismus")
 

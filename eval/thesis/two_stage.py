@@ -48,7 +48,7 @@ def _second_stage(record: Record, case: str) -> pd.DataFrame:
     return pd.DataFrame({"case": case, "parameter": names, "true_value": values[1::2], "value": b})
 
 
-def relative_error(table: pd.DataFrame, case: str, symbol: str) -> float:
+def _relative_error(table: pd.DataFrame, case: str, symbol: str) -> float:
     """Median over draws and muscles of |estimate / truth - 1|; infinite where most have no value."""
     estimates = rows.kind(rows.of_case(table, case), symbol)
     error = (estimates["value"] / estimates["true_value"] - 1.0).abs().fillna(np.inf)
@@ -58,7 +58,7 @@ def relative_error(table: pd.DataFrame, case: str, symbol: str) -> float:
 def judge(table: pd.DataFrame) -> Judgement:
     """Fails with several muscles, with noise and without; its second stage is exact with one."""
     numbers = {
-        f"{symbol}/{case}": relative_error(table, case, f"log_{symbol}")
+        f"{symbol}/{case}": _relative_error(table, case, f"log_{symbol}")
         for case in dict.fromkeys(table["case"])
         for symbol in ("F_o", "b")
         if symbol == "b" or SECOND not in case

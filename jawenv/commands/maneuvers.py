@@ -17,7 +17,7 @@ from jawenv.playing.policies.named import agent_names, named_agent
 from jawenv.playing.rollout import play as play_on
 
 
-def agent_of(spec: str, world: Configuration) -> Agent:
+def _agent_of(spec: str, world: Configuration) -> Agent:
     """The agent of a name, a maneuver file or a policy's folder, for a world."""
     agent = named_agent(spec, world.control, world.control_hz, world.env_id)
     if agent is None:
@@ -41,7 +41,7 @@ def world_for(spec: str, asked: Mapping[str, Any]) -> Configuration:
 
 def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -> None:
     """Play an agent on patients, and print what it found out."""
-    player, env_id = agent_of(maneuver, world), world.env_id
+    player, env_id = _agent_of(maneuver, world), world.env_id
     reached = score(play_on(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
     medians = (np.median(values, axis=0) for values in (reached.sd, np.abs(reached.error), reached.bound_sd))
     cohort = world.build_cohort().name
@@ -77,7 +77,7 @@ def play(maneuver: str, seed: int, world: Configuration) -> None:
     import jawenv.envs.registration  # noqa: F401  (the ids)
     from jawenv.rendering.display import check_display
 
-    player = agent_of(maneuver, world)
+    player = _agent_of(maneuver, world)
     check_display("a window", "use `jawenv live --driver NAME`, which shows it in a browser")
     env = gym.make(world.env_id, render_mode="human", **world.arguments)
     try:

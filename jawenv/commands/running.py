@@ -33,7 +33,7 @@ def _options_of_all(
     """The options of a command line itself."""
 
 
-class Commands(TyperGroup):
+class _Commands(TyperGroup):
     """A group of commands; its flags and theirs are shown as ``--flag`` in place of ``--flag <bool>``."""
 
     def get_params(self, ctx: Any) -> list[Any]:
@@ -60,7 +60,7 @@ def _without_values(params: list[Any]) -> list[Any]:
 def command_line(help: str) -> typer.Typer:
     """A command line without commands yet, which knows ``-h`` and ``--version``."""
     app = typer.Typer(
-        cls=Commands,
+        cls=_Commands,
         help=help,
         add_completion=False,
         pretty_exceptions_enable=False,

@@ -165,7 +165,7 @@ class Configuration:
     def from_mapping(cls, mapping: Mapping[str, Any]) -> Configuration:
         """A configuration from a mapping: ``env``, as `jawenv.ladder.env_id_of` takes it, and arguments."""
         env_id = env_id_of(mapping.get("env", DEFAULT_ENV))
-        return configure(registered_arguments(env_id) | {key: value for key, value in mapping.items() if key != "env"})
+        return configure(_registered_arguments(env_id) | {key: value for key, value in mapping.items() if key != "env"})
 
     def to_mapping(self) -> dict[str, Any]:
         """The id of its environment as ``env``, and ``arguments``."""
@@ -174,7 +174,7 @@ class Configuration:
     @property
     def env_id(self) -> str:
         """Gymnasium's id of the environment, whose own arguments are the defaults of ``arguments``."""
-        imaged = configure(registered_arguments(KNOWN_WITHIN_SDS))
+        imaged = configure(_registered_arguments(KNOWN_WITHIN_SDS))
         alike = self.model == imaged.model and self.knowledge == imaged.knowledge and self.device == imaged.device
         return KNOWN_WITHIN_SDS if alike else model_named(self.model).env_id
 
@@ -184,7 +184,7 @@ class Configuration:
 
         Control, sensors, cohort and length are always there.
         """
-        own = configure({"control": self.control} | registered_arguments(self.env_id))
+        own = configure({"control": self.control} | _registered_arguments(self.env_id))
         changed = [
             argument.name
             for argument in fields(self)
@@ -291,7 +291,7 @@ STATED = ("control", "sensors", "cohort", "episode_s")
 """Arguments that results and cards name whether they are the defaults or not."""
 
 
-def registered_arguments(env_id: str) -> dict[str, Any]:
+def _registered_arguments(env_id: str) -> dict[str, Any]:
     """The arguments with which an id is registered."""
     return dict(IMAGED) if env_id == KNOWN_WITHIN_SDS else {"model": model_of_env(env_id).name}
 

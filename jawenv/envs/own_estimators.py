@@ -135,7 +135,7 @@ class OwnEstimators:
 
     def _take(self, worlds: NDArray[np.void], chosen: NDArray[np.bool_]) -> None:
         belief, numbers = worlds["known"]["belief"], np.flatnonzero(chosen)
-        own = [checked_belief(self.each[i], self._means.shape[1]) for i in numbers.tolist()]
+        own = [_checked_belief(self.each[i], self._means.shape[1]) for i in numbers.tolist()]
         self._means[numbers], self._covs[numbers] = belief["mean"][numbers], belief["cov"][numbers]
         for i, (mean, cov) in zip(numbers.tolist(), own, strict=True):
             belief["mean"][i], belief["cov"][i] = mean, cov
@@ -149,7 +149,7 @@ class OwnEstimators:
         self.each, self._means, self._covs, self._failed = copy.deepcopy(state)
 
 
-def checked_belief(estimator: Any, parameters: int) -> tuple[Array, Array]:
+def _checked_belief(estimator: Any, parameters: int) -> tuple[Array, Array]:
     """Mean (p,) and covariance (p, p) of an estimator."""
     name, allowed = type(estimator).__name__, f"mean ({parameters},) and covariance ({parameters}, {parameters})"
     value = getattr(estimator, "belief", None)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 NORM = 6.0  # of the sds: near to the largest, and still smooth
 
 
-class Worlds(Protocol):
+class _Worlds(Protocol):
     """N worlds, of a ``Simulation`` or a ``Fork``."""
 
     @property
@@ -25,7 +25,7 @@ class Worlds(Protocol):
         """(N, M) the muscles that are asked for."""
 
 
-def potential(reward: str, simulation: Worlds) -> NDArray[np.float64]:
+def potential(reward: str, simulation: _Worlds) -> NDArray[np.float64]:
     """The potential (N,) of a reward, which pays its increments, in nats; 0 for a belief that is not a number.
 
     ``"uncertainty"``: half the fall of the log-determinant that the filter claims. ``"bound"``: the same for the
@@ -43,9 +43,9 @@ def potential(reward: str, simulation: Worlds) -> NDArray[np.float64]:
     elif reward == "uncertainty":
         nats = claimed_information(worlds)
     elif reward == "worst":
-        nats = worst_sd_potential(simulation)
+        nats = _worst_sd_potential(simulation)
     else:
-        nats = 0.5 * (claimed_information(worlds) + worst_sd_potential(simulation))
+        nats = 0.5 * (claimed_information(worlds) + _worst_sd_potential(simulation))
     finite: NDArray[np.float64] = np.where(np.isfinite(nats), nats, 0.0)
     return finite
 
@@ -55,7 +55,7 @@ def claimed_information(worlds: NDArray[np.void]) -> Any:
     return 0.5 * (worlds["known"]["log_det_prior"] - worlds["known"]["log_det"])
 
 
-def worst_sd_potential(simulation: Worlds) -> Any:
+def _worst_sd_potential(simulation: _Worlds) -> Any:
     """The potential (N,) of ``"worst"``, nats."""
     variances = np.diagonal(simulation.worlds["known"]["belief"]["cov"], axis1=-2, axis2=-1)
     asked = np.repeat(simulation.asked, 2, axis=-1)

@@ -27,7 +27,7 @@ def uniform(stream: np.random.Generator, last: Array, step: int, dt: float) -> A
     return np.asarray(stream.uniform(-1.0, 1.0, ACTION_SIZE))
 
 
-def ornstein_uhlenbeck(sd: float, time_s: float) -> Draw:
+def _ornstein_uhlenbeck(sd: float, time_s: float) -> Draw:
     """A stationary Ornstein-Uhlenbeck process of this sd and time constant, as exploration noise is."""
 
     def draw(stream: np.random.Generator, last: Array, step: int, dt: float) -> Array:
@@ -107,9 +107,9 @@ class RandomHarmonics(Excitation):
 EXCITATIONS: Mapping[str, Callable[[float], Excitation]] = MappingProxyType(
     {
         "random": lambda control_hz: Excitation("random", uniform, control_hz),
-        "ou_quick": lambda control_hz: Excitation("ou_quick", ornstein_uhlenbeck(0.3, 0.5), control_hz),
-        "ou_slow": lambda control_hz: Excitation("ou_slow", ornstein_uhlenbeck(0.15, 2.0), control_hz),
-        "ou_strong": lambda control_hz: Excitation("ou_strong", ornstein_uhlenbeck(0.6, 1.0), control_hz),
+        "ou_quick": lambda control_hz: Excitation("ou_quick", _ornstein_uhlenbeck(0.3, 0.5), control_hz),
+        "ou_slow": lambda control_hz: Excitation("ou_slow", _ornstein_uhlenbeck(0.15, 2.0), control_hz),
+        "ou_strong": lambda control_hz: Excitation("ou_strong", _ornstein_uhlenbeck(0.6, 1.0), control_hz),
         "harmonics": lambda control_hz: RandomHarmonics("harmonics", control_hz),
         "switching": lambda control_hz: Excitation("switching", switching(0.5), control_hz),
     }

@@ -88,7 +88,7 @@ def _without_unnamed(path: Path, comments: list[tuple[int, str]], cells: list[li
     ]
     cells = [[row[i] for i in named] for row in cells]
     units: list[str] = []
-    if any(cell.lower() not in MISSING for cell in cells[1]) and not any(map(is_number, cells[1])):
+    if any(cell.lower() not in MISSING for cell in cells[1]) and not any(map(_is_number, cells[1])):
         units, cells, lines = cells[1], [cells[0], *cells[2:]], [lines[0], *lines[2:]]
     names = cells[0]
     for name in names:
@@ -97,7 +97,7 @@ def _without_unnamed(path: Path, comments: list[tuple[int, str]], cells: list[li
     return Sheet(comments, names, units, cells[1:], lines[1:])
 
 
-def is_number(cell: str) -> bool:
+def _is_number(cell: str) -> bool:
     """Whether a cell holds a number."""
     return bool(_NUMBER.fullmatch(cell) or _INFINITE.fullmatch(cell))
 

@@ -23,7 +23,7 @@ Real = NDArray[np.float64]
 IMAGINARY_STEP = 1e-30
 
 
-def with_derivative(function: Callable[[Array], Array], point: Real) -> tuple[Real, Real]:
+def _with_derivative(function: Callable[[Array], Array], point: Real) -> tuple[Real, Real]:
     """Value (m,) of a function at the point (n,), and its derivative (m, n) by complex step.
 
     Args:
@@ -107,9 +107,9 @@ def step_with_derivative(jaw: Any, mean: Real, samples: Real, trend: Real, dt: f
     def moved(points: Array) -> Array:
         return step(jaw, points[..., :-N_NOISE], samples, trend, dt, points[..., -N_NOISE:])
 
-    return with_derivative(moved, np.concatenate([mean, np.zeros(N_NOISE)]))
+    return _with_derivative(moved, np.concatenate([mean, np.zeros(N_NOISE)]))
 
 
 def measurement_with_derivative(jaw: Any, state: Real) -> tuple[Real, Real]:
     """The readings (12,) to expect of a motion (10,), and their derivative (12, 10)."""
-    return with_derivative(lambda states: newton_euler.measurement(jaw, states), state)
+    return _with_derivative(lambda states: newton_euler.measurement(jaw, states), state)

@@ -43,20 +43,20 @@ def split_name(muscle: str) -> tuple[str, str]:
 
 def side_of(scene: Scene, line: int) -> str:
     """Side that a line of action is on: `left`, `right` or `middle`."""
-    return side_at(scene.muscle_origin_m[line], scene.muscle_insertion_m[line], scene.planar)
+    return _side_at(scene.muscle_origin_m[line], scene.muscle_insertion_m[line], scene.planar)
 
 
-def side_at(origin: Array, insertion: Array, planar: bool) -> str:
+def _side_at(origin: Array, insertion: Array, planar: bool) -> str:
     """Side of a line between two points (3,): `left`, `right` or, where all is in one plane, `middle`."""
     return "middle" if planar else "left" if origin[1] + insertion[1] > 0 else "right"
 
 
 def layer_of(scene: Scene, line: int) -> str:
-    """How deep a line runs, see `layer_at`."""
-    return layer_at(1000 * scene.muscle_origin_m[line])
+    """How deep a line runs, see `_layer_at`."""
+    return _layer_at(1000 * scene.muscle_origin_m[line])
 
 
-def layer_at(origin_mm: Array) -> str:
+def _layer_at(origin_mm: Array) -> str:
     """How deep a line from an origin runs: `high` under the arch, `inner` behind the ramus, `outer` on top of it."""
     _, y, z = origin_mm
     if z > _HIGH_MM:
@@ -64,7 +64,7 @@ def layer_at(origin_mm: Array) -> str:
     return "inner" if _INNER_MM[0] < abs(y) < _INNER_MM[1] else "outer"
 
 
-def muscle_sd(scene: Scene) -> list[float]:
+def _muscle_sd(scene: Scene) -> list[float]:
     """Geometric mean of the two standard deviations (log F_o, log b) of every muscle."""
     index = {name: i for i, name in enumerate(scene.parameter_names)}
     return [
@@ -75,7 +75,7 @@ def muscle_sd(scene: Scene) -> list[float]:
 
 def muscle_colours(scene: Scene) -> list[Colour]:
     """Colour of every muscle."""
-    return [palette.knowledge(sd) for sd in muscle_sd(scene)]
+    return [palette.knowledge(sd) for sd in _muscle_sd(scene)]
 
 
 def symbol(canvas: Canvas, parameter: str, at: tuple[float, float], size: float, colour: Colour) -> float:

@@ -88,9 +88,9 @@ def draw_side(canvas: Canvas, camera: Camera, box: Box, scene: Scene) -> None:
     canvas.line(np.vstack([pixels, pixels[:1]]), palette.SKULL_LINE, 1.2)
     for index in _lines(scene, "right", "middle", layer="outer"):
         _muscle(canvas, camera, scene, index)
-    draw_condyles_side(canvas, camera, scene, box)
+    _draw_condyles_side(canvas, camera, scene, box)
     draw_names(canvas, camera, scene, box)
-    draw_force(canvas, camera, scene, box)
+    _draw_force(canvas, camera, scene, box)
     canvas.clip(None)
 
 
@@ -109,10 +109,10 @@ def draw_front(canvas: Canvas, camera: Camera, box: Box, scene: Scene) -> None:
         _muscle(canvas, camera, scene, index)
     for index in _lines(scene, "middle"):
         _muscle(canvas, camera, scene, index, alpha=190)
-    draw_condyles_front(canvas, camera, scene, box)
+    _draw_condyles_front(canvas, camera, scene, box)
     _draw_plate(canvas, camera, scene)
     _draw_midline(canvas, camera, scene, box)
-    draw_force(canvas, camera, scene, box)
+    _draw_force(canvas, camera, scene, box)
     canvas.clip(None)
 
 
@@ -155,12 +155,12 @@ def _draw_midline(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> Non
     canvas.text(label, (box[0] + box[2] - 14, box[1] - 14), 11.5, palette.ACCENT, bold=True, anchor="right")
 
 
-def condyle_words(gap_mm: float) -> tuple[str, str]:
+def _condyle_words(gap_mm: float) -> tuple[str, str]:
     """A condyle's state in words, and its lift if there is one."""
     return ("lifted off", f"{gap_mm:.1f} mm") if gap_mm > _LIFTED_MM else ("pressed", "")
 
 
-def draw_condyles_side(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
+def _draw_condyles_side(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
     """Draw the path and the condyle on it in the plane of the near condyle; with two condyles, the far one too."""
     if not scene.slides:
         _draw_pin(canvas, camera, scene)
@@ -177,12 +177,12 @@ def draw_condyles_side(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -
         lifted = scene.plant != "midline" and gap > _LIFTED_MM
         _draw_dot(canvas, camera.project(np.array([centre[0], y, centre[2]])), lifted, fade)
     if scene.plant == "contact":
-        words = f"condyle {' '.join(condyle_words(gap))}".strip()
+        words = f"condyle {' '.join(_condyle_words(gap))}".strip()
         ink = _ink(gap)
         canvas.text(words, (box[0] + box[2] - 14, box[1] - 14), 11.5, ink, bold=True, anchor="right")
 
 
-def draw_condyles_front(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
+def _draw_condyles_front(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
     """Draw both fossae above their condyles; where condyles can lift off, say whether they do."""
     heights = 1000 * scene.path_m(scene.condyles_m[:, 0] if scene.plant == "bilateral" else scene.contact_m[[0, 0]])
     for side, sign in ((_LEFT, 1), (_RIGHT, -1)):
@@ -197,7 +197,7 @@ def _draw_state(canvas: Canvas, camera: Camera, box: Box, sign: int, gap: float)
     """Say beside a condyle whether it presses on its disc."""
     x, y = camera.project(np.array([0.0, sign * 67.0, -19.0])).tolist()
     x = min(max(x, box[0] + 32), box[0] + box[2] - 32)
-    for line, words in enumerate(filter(None, condyle_words(gap))):
+    for line, words in enumerate(filter(None, _condyle_words(gap))):
         canvas.text(words, (x, y + 13 * line), 11, _ink(gap), bold=True, anchor="centre")
 
 
@@ -222,7 +222,7 @@ def _draw_pin(canvas: Canvas, camera: Camera, scene: Scene) -> None:
         canvas.circle((x, y), radius, paint)
 
 
-def draw_force(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
+def _draw_force(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
     """Draw the device's force on the mandible as an arrow that starts at the mouthpiece, with its size."""
     force = scene.mouthpiece_force_N
     size = float(np.linalg.norm(force))

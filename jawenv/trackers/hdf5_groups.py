@@ -31,7 +31,7 @@ def main(path: str, largest: int) -> None:
     arrays: list[Any] = []
     try:
         with h5py.File(path, "r") as file:
-            told: dict[str, Any] = {"groups": groups_of(h5py, file, largest, arrays)}
+            told: dict[str, Any] = {"groups": _groups_of(h5py, file, largest, arrays)}
     except Exception as error:
         told, arrays = {"refused": f"{' '.join(str(error).split())[:150]}"}, []
     sys.stdout.buffer.write(json.dumps(told).encode() + b"\n")
@@ -55,7 +55,7 @@ def limit() -> None:
             continue
 
 
-def groups_of(h5py: Any, file: Any, largest: int, arrays: list[Any]) -> list[dict[str, Any]]:
+def _groups_of(h5py: Any, file: Any, largest: int, arrays: list[Any]) -> list[dict[str, Any]]:
     """What is known of each group with translations or rotations; those that have both go to ``arrays``."""
     found: list[dict[str, Any]] = []
     left = largest
@@ -69,7 +69,7 @@ def groups_of(h5py: Any, file: Any, largest: int, arrays: list[Any]) -> list[dic
             continue
         if len(found) == MOST_GROUPS:
             raise ValueError(f"more than {MOST_GROUPS} groups")
-        about = {word: attribute(group.attrs, word) for word in ("sample_rate", "unit")}
+        about = {word: _attribute(group.attrs, word) for word in ("sample_rate", "unit")}
         found.append({"name": name, "parts": present, "attributes": about})
         if len(present) == len(PARTS):
             for part in PARTS:
@@ -93,7 +93,7 @@ def checked(h5py: Any, group: Any, part: str, where: str, left: int) -> Any:
     return dataset
 
 
-def attribute(attributes: Any, word: str) -> Any:
+def _attribute(attributes: Any, word: str) -> Any:
     """A text or a number, also as an array of one; None for nothing, and a list for what is neither."""
     if word not in attributes:
         return None

@@ -18,13 +18,13 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines of the trunk": 33_660,
+    "lines of the trunk": 33_812,
     "lines of a leaf": 2_810,
     "longest chain of imports": 47,
-    "public top-level names": 1_732,
-    "modules that a step loads": 139,
-    "lines that a step loads": 15_400,
-    "lines that eval compare loads": 27_220,
+    "public top-level names": 1_678,
+    "modules that a step loads": 140,
+    "lines that a step loads": 15_510,
+    "lines that eval compare loads": 27_440,
 }
 
 

@@ -101,7 +101,7 @@ def evaluate(
     return Evaluation({name: np.array([episode[key] for episode in finished]) for key, name in names.items()})
 
 
-class PolicyScore(NamedTuple):
+class _PolicyScore(NamedTuple):
     """How good a policy is; the larger the better."""
 
     comfortable: bool  # whether the discomfort is within the limit, if there is one
@@ -154,8 +154,8 @@ class Evaluations(BaseCallback):
         self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
         self._progress, self._interrupted, self._report = progress, interrupted, report
         self._limit = largest_discomfort_s
-        self.best: tuple[PolicyScore, int] | None = None
-        self._first: PolicyScore | None = None
+        self.best: tuple[_PolicyScore, int] | None = None
+        self._first: _PolicyScore | None = None
         self._began_with = began_with
         self.last: int | None = None
         for row in read_evaluations(run.path):
@@ -204,9 +204,9 @@ class Evaluations(BaseCallback):
 
     def _compare(self, row: dict[str, float]) -> bool:
         """Whether a row is the best so far; then it is kept as that."""
-        score = PolicyScore(True, row["return"])
+        score = _PolicyScore(True, row["return"])
         if self._limit is not None and row.get("discomfort_s", 0.0) > self._limit:
-            score = PolicyScore(False, -row["discomfort_s"])
+            score = _PolicyScore(False, -row["discomfort_s"])
         self._first = self._first or score
         if self.best is not None and score <= self.best[0]:
             return False

@@ -40,7 +40,7 @@ SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
 class Agreement:
     """What environment and twin say of N patients."""
 
-    maneuver: NDArray[np.intp]  # (N,) index of the perturbed maneuver in ``MANEUVERS``
+    maneuver: NDArray[np.intp]  # (N,) index of the _perturbed maneuver in ``MANEUVERS``
     worst: NDArray[Any]  # (2, N) log of the largest sd, of the environment's filter and of the twin
     error: NDArray[Any]  # (N,) of the log parameter that the filter knows least, its estimate less the truth
     discomfort_s: NDArray[Any]  # (2, N) in 10 s
@@ -72,7 +72,7 @@ class Agreement:
         return "\n".join([*rows, f"Correlation of the patients' discomfort: {both:.3f}."])
 
 
-def perturbed(number: int, times: Array, rng: np.random.Generator) -> Array:
+def _perturbed(number: int, times: Array, rng: np.random.Generator) -> Array:
     """Targets (N, T, 4) of ``MANEUVERS`` in turn, varied between knots as a policy in training varies them."""
     base = np.stack([Maneuver.named(MANEUVERS[i % len(MANEUVERS)]).targets(times).value for i in range(number)])
     knots = np.arange(0.0, HORIZON_S + KNOT_S, KNOT_S)
@@ -83,7 +83,7 @@ def perturbed(number: int, times: Array, rng: np.random.Generator) -> Array:
 
 
 def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
-    """Play perturbed maneuvers in the environment and in the twin.
+    """Play _perturbed maneuvers in the environment and in the twin.
 
     Args:
         world: arguments of the environment, ``env`` among them.
@@ -101,7 +101,7 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
     worlds = Worlds(twin, Patients.of_worlds(simulation.worlds), torch.Generator().manual_seed(seed))
     steps = round(HORIZON_S / twin.decision_s)
     times = twin.decision_s * np.arange(1, steps + 1, dtype=np.float64)
-    targets = perturbed(patients, times, np.random.default_rng(seed))
+    targets = _perturbed(patients, times, np.random.default_rng(seed))
     discomfort, running = np.zeros((2, patients)), np.ones(patients, dtype=bool)
     for step in range(steps):
         *_, ended, _, info = env.step(action_of(targets[:, step]).astype(np.float32))

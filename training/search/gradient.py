@@ -74,7 +74,7 @@ def refine(
         loss.backward()  # type: ignore[no-untyped-call]
         optimiser.step()
         schedule.step()
-        per_30_s = PER_30_S / settings.horizon_s * discomfort_of(env, within_reach(targets.detach(), twin.decision_s))
+        per_30_s = PER_30_S / settings.horizon_s * _discomfort_of(env, within_reach(targets.detach(), twin.decision_s))
         price.update(per_30_s)
         report(update + 1, float(log_worst(worlds).detach().mean()), per_30_s)
         env.reset()
@@ -94,7 +94,7 @@ def play(worlds: Worlds, targets: Tensor) -> tuple[Tensor, Tensor]:
     return worst, discomfort
 
 
-def discomfort_of(env: Any, targets: Tensor) -> float:
+def _discomfort_of(env: Any, targets: Tensor) -> float:
     """Mean discomfort, s, of targets (T, 4) for the patients of an environment after its ``reset``."""
     cost = 0.0
     for target in action_of(targets.numpy()):

@@ -90,7 +90,7 @@ class TwoStageLogLinear:
             balance: of the larger opening.
             F_o: (m,) N, positive.
         """
-        strain = mean_strain(balance)
+        strain = _mean_strain(balance)
         # log(0) of a row that a muscle does not reach is -inf and would be all of the solution.
         arms = balance.sum_lines(balance.pull).astype(np.complex128) + np.finfo(np.float64).tiny
         logs = np.log(arms * F_o[:, None])
@@ -117,7 +117,7 @@ def constant_forces(balance: Balance, gain_sd: float) -> tuple[Array, Array]:
     return solution, regression_covariance(jacobian, residual, weighted.by_gain, gain_sd)
 
 
-def mean_strain(balance: Balance) -> Array:
+def _mean_strain(balance: Balance) -> Array:
     """(N, m) mean strain of the lines of each muscle."""
     lines = np.bincount(balance.muscle)
     total: Array = balance.sum_lines(balance.strain[:, :, None])[:, :, 0]

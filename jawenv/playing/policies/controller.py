@@ -23,7 +23,7 @@ Batch = tuple[Observation, dict[str, Any]]
 StepBatch = tuple[Observation, npt.NDArray[np.float64], Mask, Mask, dict[str, Any]]
 
 
-class Controller(Protocol):
+class _Controller(Protocol):
     """The step from decisions to actions, with a memory of each world: zeros where an episode begins."""
 
     control: Control  # control mode of the environment
@@ -66,7 +66,7 @@ class ControlledAgent(Remembering):
 
     decision: Action | None = None
 
-    def __init__(self, agent: Agent, controller: Controller) -> None:
+    def __init__(self, agent: Agent, controller: _Controller) -> None:
         self.name = agent.name
         self.control = controller.control
         self.agent = agent
@@ -110,7 +110,7 @@ class ControlledWorlds(VectorWrapper[Observation, Action, Observation, Action, A
         controller: as given.
     """
 
-    def __init__(self, env: VectorEnv[Observation, Action, Any], controller: Controller) -> None:
+    def __init__(self, env: VectorEnv[Observation, Action, Any], controller: _Controller) -> None:
         super().__init__(env)
         mode, inner = env.metadata.get("autoreset_mode"), env.single_observation_space
         if mode != AutoresetMode.SAME_STEP:
