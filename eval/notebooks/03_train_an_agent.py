@@ -104,7 +104,7 @@ overview(study, ranking)
 
 # %%
 (agent,) = (row for row in ranking.rows if row.trained)
-gain = agent.difference
+gain = agent["difference"]
 verdict = "more than" if gain.low > 0 else "less than" if gain.high < 0 else "not distinguishable from"
 Markdown(
     f"Patient by patient, the agent's information less that of the maneuver alone is {gain.value:.2f} nats "

@@ -11,7 +11,7 @@ from markdown_it import MarkdownIt
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("[!.]*/README.md"))]
 OF_THE_WHEEL = {"jawenv", "gymnasium", "numpy", *sys.stdlib_module_names}
-OF_EXTRAS = ("jawenv.live",)
+OF_EXTRAS = ("jawenv.live", "jawenv.sb3")
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Where the jaw is and how it moves, from the pose of the mouthpiece: Young (2016), section 5.1, eqs. 5.1-5.3.
+"""Place and motion of the jaw from the pose of the mouthpiece: Young (2016), section 5.1, eqs. 5.1-5.3.
 
 The mouthpiece is rigid with the mandible, so its place r_a, velocity and acceleration follow from the condyle's:
 

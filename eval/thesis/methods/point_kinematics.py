@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 def compatible_range(jaw: Any, pose: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> Array:
-    """How far each coordinate can be from what it is in a pose, within bounds, with the mouthpiece at the same place.
+    """Largest distance of each coordinate from a pose, within bounds, with the mouthpiece at the same place.
 
     Args:
         jaw: Record from ``build_jaw`` of the midline model.
