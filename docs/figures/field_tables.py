@@ -1,4 +1,4 @@
-"""Tables of settings that are numbers, made of their fields and of what stands with each, or in the class's docstring."""
+"""Tables of settings that are numbers, made of their fields and of what stands with each or in the docstring."""
 
 from __future__ import annotations
 
