@@ -18,7 +18,7 @@ from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
 
 
-def _write_page(record: Record, result: Identification, recording: Path, target: Path) -> Path:
+def write_page(record: Record, result: Identification, recording: Path, target: Path) -> Path:
     """Write the page; without a verdict where the estimates are not to be believed.
 
     Args:

@@ -240,7 +240,7 @@ def test_parquet_without_pyarrow_says_what_to_do(tmp_path, monkeypatch):
 def test_every_column_is_documented():
     from pathlib import Path
 
-    text = (Path(__file__).parents[3] / "docs" / "recordings.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "recordings.md").read_text(encoding="utf-8")
     for column in (*ENCODERS, *READINGS):
         stem, unit = column.name, ""
         for axis in ("_y", "_z"):
