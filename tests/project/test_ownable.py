@@ -21,7 +21,7 @@ LARGEST = {
     "lines of the trunk": 33_812,
     "lines of a leaf": 2_810,
     "longest chain of imports": 47,
-    "public top-level names": 1_678,
+    "public top-level names": 1_679,
     "modules that a step loads": 140,
     "lines that a step loads": 15_510,
     "lines that eval compare loads": 27_440,
