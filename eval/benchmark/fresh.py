@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import hmac
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -195,8 +196,10 @@ def difference(public: Array, fresh: Array) -> tuple[Interval, float]:
     apart = float(fresh.mean() - public.mean())
     if not (np.ptp(public) or np.ptp(fresh)):  # as beside itself
         return Interval(apart, apart, apart), float(apart <= 0.0)
-    ends = stats.ttest_ind(fresh, public, equal_var=False).confidence_interval(0.95)
-    chance = stats.ttest_ind(fresh, public, equal_var=False, alternative="greater").pvalue
+    with warnings.catch_warnings():  # few patients may all have the same time, whose variance is then 0 as it should be
+        warnings.filterwarnings("ignore", "Precision loss occurred", RuntimeWarning)
+        ends = stats.ttest_ind(fresh, public, equal_var=False).confidence_interval(0.95)
+        chance = stats.ttest_ind(fresh, public, equal_var=False, alternative="greater").pvalue
     return Interval(apart, float(ends.low), float(ends.high)), float(chance)
 
 

@@ -161,6 +161,7 @@ def _play_baselines(agents: list[str], names: list[str] | None, patients: int | 
 def _check(folder: Path, patients: int | None, run: Run, trust: bool, fresh_seeds: int | None, key: str | None) -> None:
     from eval.benchmark.check import CANNOT_KNOW, check
     from eval.benchmark.differences import LARGEST_SHARE
+    from eval.benchmark.fresh import CHECKED
     from eval.benchmark.scores import by_cell, score_of
     from eval.benchmark.tasks import TASKS
     from eval.figures.words import with_interval
@@ -186,6 +187,8 @@ def _check(folder: Path, patients: int | None, run: Run, trust: bool, fresh_seed
         print(f"not known: {line}")
     if fresh_seeds is not None:
         _check_fresh(folder, result.rows, fresh_seeds, drawn_by, run, trust)
+    elif (folder / CHECKED).exists():
+        print(f"not checked: {folder / CHECKED}, which anybody can have written; --fresh-seeds N makes it anew")
 
 
 def _drawn(patients: int | None, available: int) -> str:
@@ -224,6 +227,7 @@ def _check_fresh(folder: Path, public: pd.DataFrame, number: int, key: bytes, ru
         longer = with_interval(scaled(one.worse, 100.0), 0, " %")
         print(f"  beside {fresh.MANEUVER} longer on fresh patients by {longer}; by chance so much in {one.chance:.2g}")
     if found := fresh.suspected(compared):
+        (folder / fresh.CHECKED).unlink(missing_ok=True)  # one that came along does not outlive the refusal
         names = ", ".join(f"{one.task}, {one.agent}" for one in found)
         raise InputError(f"{folder}: better on public patients than on fresh ones by more than chance: {names}")
     write_json(folder / fresh.CHECKED, fresh.written(compared, folder, number, key, made_with(typed())))

@@ -42,6 +42,11 @@ def test_the_maneuver_beside_itself_is_nobody_to_suspect():
     assert (apart.value, chance) == (0.0, 1.0)
 
 
+def test_patients_of_equal_times_are_compared_in_silence():
+    apart, chance = fresh.difference(np.full(3, 0.35), np.array([0.35, 0.4, 0.45]))
+    assert apart.low < 0.05 < apart.high and 0.05 < chance < 0.5
+
+
 def test_a_check_plays_fresh_patients_and_keeps_the_scores_that_count(copied, capsys):
     command = ["benchmark", "--check", str(copied), "--fresh-seeds", "3", "--key", KEY.hex(), "--workers", "1"]
     assert main(command) == 0
@@ -61,6 +66,9 @@ def test_a_check_plays_fresh_patients_and_keeps_the_scores_that_count(copied, ca
 
 def test_an_agent_made_for_the_public_patients_ends_with_2_and_keeps_nothing(copied, capsys, monkeypatch):
     monkeypatch.setattr(fresh, "difference", lambda public, new: (fresh.Interval(1.0, 0.5, 1.5), 1e-6))
+    (copied / fresh.CHECKED).write_text("{}")
+    assert main(["benchmark", "--check", str(copied), "--workers", "1"]) == 0
+    assert "which anybody can have written" in capsys.readouterr().out
     assert main(["benchmark", "--check", str(copied), "--fresh-seeds", "2", "--workers", "1"]) == 2
     error = capsys.readouterr().err
     assert "better on public patients than on fresh ones by more than chance: hinge-exact, slow_opening" in error
