@@ -43,7 +43,7 @@ LEAVES = {
         ("jawenv/live/*", "jawenv/commands/live.py", "eval/commands/live.py"), (JAWENV, EVAL), ("tests/live",)
     ),
     "trackers": Leaf(("jawenv/trackers/*",), (JAWENV,), ("tests/trackers",)),
-    "thesis": Leaf(("eval/thesis/*", "eval/thesis/methods/*"), (EVAL,), ("tests/eval/thesis",)),
+    "thesis": Leaf(("eval/thesis/*",), (EVAL,), ("tests/eval/thesis",)),
     "benchmark": Leaf(("eval/benchmark/*", "eval/commands/benchmark.py"), (EVAL,), ("tests/eval/benchmark",)),
     "calibration tables": Leaf(
         ("eval/calibration/*", "eval/commands/calibration.py"), (EVAL,), ("tests/eval/calibration",)
