@@ -66,15 +66,17 @@ class Order:
 
     sender: object = None  # address of the first packet that was whole
     expected: int = 0  # tick of the next reading
-    ahead: int = -1  # tick of the last packet that came from too far ahead
+    ahead: int = -1  # tick of the packet before, if it came from too far ahead
     dropped: int = 0  # packets
 
     def reading(self, packet: bytes, sender: object) -> np.void | None:
         """Return the reading or END, or count a packet that is neither."""
         if len(packet) == READING.itemsize and self.sender in (None, sender):
             reading = np.frombuffer(packet, READING)[0]
-            if reading["tick"] == END or self._follows(int(reading["tick"])):
-                self.sender = sender
+            if reading["tick"] == END and self.sender is not None:
+                return reading
+            if self._follows(int(reading["tick"])):
+                self.sender, self.ahead = sender, -1
                 return reading
         self.dropped += 1
         return None

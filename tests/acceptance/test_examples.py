@@ -218,6 +218,11 @@ def test_device_loop_takes_packets_as_a_network_treats_them(capsys) -> None:
         np.testing.assert_array_equal(belief.log_mean, whole.log_mean)
         assert belief.time_s == whole.time_s
         assert f"{len(extra)} packets were no next reading" in capsys.readouterr().out
+    end = np.zeros((), loop.READING)
+    end["tick"] = loop.END
+    np.testing.assert_array_equal(served([(end.tobytes(), "stranger"), *packets]).log_mean, whole.log_mean)
+    flipped = [*packets[:50], of_tick(2000), *packets[50:100], of_tick(2040), *packets[100:]]
+    assert served(flipped).time_s == whole.time_s
     outage = served([*packets[:20], *packets[150:]])  # two packets have to agree that the link was down so long
     assert outage.time_s == whole.time_s and np.isfinite(outage.log_mean).all()
     late = served([*packets[:100], *packets[101:130], packets[100], *packets[130:]])
