@@ -65,17 +65,13 @@ def play_back(path: Path, port: int, open_browser: bool) -> None:
 
 def _show(page: _Page, server: Any, open_browser: bool) -> None:
     url = url_of(server)
-    print(f"the jaw is at {url} on this machine; Ctrl-C ends it", flush=True)
-    if open_browser:
-        webbrowser.open(url)
-    before = signal.signal(signal.SIGTERM, _interrupt)  # as Ctrl-C: what was driven is saved
+    before = signal.signal(signal.SIGTERM, lambda number, frame: page.stop())  # what was driven is saved
     try:
+        print(f"the jaw is at {url} on this machine; Ctrl-C ends it", flush=True)
+        if open_browser:
+            webbrowser.open(url)
         page.run()
     except KeyboardInterrupt:
         page.stop()
     finally:
         signal.signal(signal.SIGTERM, before)
-
-
-def _interrupt(number: int, frame: object) -> None:
-    raise KeyboardInterrupt

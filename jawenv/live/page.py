@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import threading
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
@@ -61,7 +60,7 @@ class Page:
     ) -> None:
         self._saves = Saves(folder)
         self._wishes: OrderedDict[Any, Callable[[], None]] = OrderedDict()  # what it is for -> what to do
-        self._stopped = threading.Event()
+        self._stopped = False
         self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[DriveOutcome]()
         self._hidden_s = level_of(setup).hidden_s
         self.steps = 0
@@ -85,17 +84,17 @@ class Page:
 
     def _run(self) -> None:
         due = time.perf_counter()
-        while not self._stopped.is_set():
+        while not self._stopped:
             while self._wishes:
                 self._fulfil(self._wishes.popitem(last=False)[1])
             if self._drives():
                 self.step()
             due = max(due + self.period_s, time.perf_counter() - self.period_s)
-            self._stopped.wait(max(0.0, due - time.perf_counter()))
+            time.sleep(max(0.0, due - time.perf_counter()))
 
     def stop(self) -> None:
-        """End ``run``, from any thread."""
-        self._stopped.set()
+        """End ``run``, from any thread or a signal's handler."""
+        self._stopped = True
 
     @property
     def period_s(self) -> float:

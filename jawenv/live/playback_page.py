@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import Any
 
@@ -20,7 +19,7 @@ class PlaybackPage:
 
     def __init__(self, server: Any, playback: Playback) -> None:
         self._playback, self._index, self._paused = playback, 0, False
-        self._stopped = threading.Event()
+        self._stopped = False
         self._view = View(server, playback.shown(0))
         last = (len(playback) - 1) * playback.period_s
         self._time = self._view.gui.add_slider("Time, s", 0.0, max(last, 0.01), 0.01, 0.0)
@@ -30,14 +29,14 @@ class PlaybackPage:
 
     def run(self) -> None:
         """Play in real time until ``stop``."""
-        while not self._stopped.is_set():
+        while not self._stopped:
             begun = time.perf_counter()
             self.step()
-            self._stopped.wait(max(0.0, self._playback.period_s - (time.perf_counter() - begun)))
+            time.sleep(max(0.0, self._playback.period_s - (time.perf_counter() - begun)))
 
     def stop(self) -> None:
-        """End ``run``, from any thread."""
-        self._stopped.set()
+        """End ``run``, from any thread or a signal's handler."""
+        self._stopped = True
 
     def step(self) -> None:
         """Show the next moment; the first one follows the last."""
