@@ -270,6 +270,21 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
                 "F_o 0.81-20 N and b 3.0-33 span healthy to severe (G)",
                 ((_TRISMUS.widened(2.0), _TRISMUS.widened(2.0)),),
             ),
+            Cohort(
+                "anyone",
+                "a person of whom nothing is known: healthy, trismus, severe, one side, patchy or blockage",
+                "F_o 0.38-18 N and b 3.8-33: a sixth of each of the other cohorts but wide, the sides equally likely. "
+                "No source counts the patients of such a device (G)",
+                2
+                * (
+                    (_HEALTHY, _HEALTHY),
+                    (_TRISMUS, _TRISMUS),
+                    (_SEVERE, _SEVERE),
+                    (_PATCHY, _PATCHY),
+                    (_BLOCKAGE, _BLOCKAGE),
+                )
+                + ((_TRISMUS, _HEALTHY), (_HEALTHY, _TRISMUS)),
+            ),
         )
     }
 )

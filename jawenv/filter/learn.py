@@ -7,6 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
+from jawenv.filter.alarm.drift import keep_belief
 from jawenv.filter.alarm.misfit import move_block, set_misfit
 from jawenv.filter.belief.posterior import PosteriorScratch, posterior_dtype, update_belief
 from jawenv.filter.belief.refocus import refocus
@@ -116,6 +117,15 @@ def learn(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     recentre(belief, settings, scratch)
     refocus(belief, scratch)
     set_misfit(belief)
+
+
+@njit
+def keep_passing(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
+    """Keep, for ``drift``, what the readings so far teach; the belief stays."""
+    if update_belief(belief, settings, scratch.posterior):
+        keep_belief(belief)
+        belief.mean[:] = scratch.posterior.last_mean
+        belief.cov[:, :] = scratch.posterior.last_cov
 
 
 @njit

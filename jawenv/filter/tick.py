@@ -32,9 +32,10 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.filter.alarm.drift import is_due
 from jawenv.filter.alarm.misfit import add_to_block
-from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings
-from jawenv.filter.learn import LearnScratch, conclude, learn, learn_scratch_dtype
+from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_drift, begin_motion, forget_readings
+from jawenv.filter.learn import LearnScratch, conclude, keep_passing, learn, learn_scratch_dtype
 from jawenv.filter.model.basis import build_basis
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
@@ -226,8 +227,11 @@ def replay(jaw: Jaw, belief: Belief, rows, tick, settings: FilterSettings, scrat
     belief.nuisances_replayed_at[:] = belief.nuisances
     begin_motion(belief, rows[0].believed, settings.start_sd)
     forget_readings(belief)
+    begin_drift(belief.drift)
     for k in range(tick + 1):
         take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
+        if is_due(belief):
+            keep_passing(belief, settings, scratch.belief)
 
 
 @njit_within

@@ -21,7 +21,7 @@ def draws(name: str, n: int = PATIENTS) -> np.ndarray:
 
 
 def test_names_and_default() -> None:
-    assert tuple(COHORTS) == ("trismus", "healthy", "severe", "one_sided", "patchy", "blockage", "wide")
+    assert tuple(COHORTS) == ("trismus", "healthy", "severe", "one_sided", "patchy", "blockage", "wide", "anyone")
     for name, one in COHORTS.items():
         assert one is cohort(name)
         assert one.name == name and one.description and one.basis

@@ -1,12 +1,17 @@
 """Drift: beliefs that move further than what they claimed to know allows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from recorded import recording
 from running import Running
 from scipy.stats import chi2
 
+import jawenv
+from agents import load_agent
 from jawenv.filter.alarm.drift import EVERY, KEPT, judge_drift, threshold
+from jawenv.recordings.identification import identified
 
 P = 12
 
@@ -54,6 +59,17 @@ def test_what_a_bayesian_learns_is_no_drift(belief, rng):
         found.append(largest * threshold(P))
     assert np.quantile(found, 0.5) < chi2(P).ppf(0.99)
     assert np.max(found) < threshold(P)
+
+
+def test_a_first_second_linearised_far_from_the_truth_is_given_up_with_its_claims():
+    """A healthy side, whose first second under a prior of stiff muscles claims too much; filtered again it does not."""
+    agent, world = load_agent("opening_with_swings_and_fore_aft"), {"record": True, "episode_s": 10.0}
+    played = jawenv.play(agent, patients=1, seed=0, env_kwargs={"cohort": "one_sided", **world}).records[0]
+    for prior in (played.prior, jawenv.cohort("patchy").prior, jawenv.cohort("anyone").prior):
+        found = identified(replace(played, prior=prior))
+        error = found.estimate.mean[-1] - played.truth
+        assert error @ np.linalg.solve(found.estimate.cov[-1], error) < chi2(P).ppf(0.999)
+        assert found.misfit < 1.0
 
 
 def test_a_matrix_that_is_no_covariance_is_not_kept(belief):

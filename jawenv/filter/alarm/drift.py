@@ -6,7 +6,8 @@ of p, the number of parameters. Tissue that creeps, a disturbance that lasts and
 along, by many of the sds that it stated, while every reading by itself looks well explained.
 
 The belief is kept after 100, 200, 400 ... readings, and each later one is judged by all that are kept. ``largest`` is
-the largest statistic so far over ``threshold``.
+the largest statistic so far over ``threshold``. Where readings are filtered again, what is kept is renewed with them: a
+belief that was linearised far from the truth claims what is not so, and the filter has given it up.
 """
 
 from __future__ import annotations
@@ -49,9 +50,21 @@ def judge_drift(belief: Belief):
     drift.judged = belief.readings
     for k in range(drift.kept):
         drift.largest = max(drift.largest, squared_distance(drift, k, belief.mean) / threshold(belief.mean.shape[0]))
-    k = drift.kept
-    if k < KEPT and belief.readings >= EVERY << k:
-        drift.means[k, :] = belief.mean
-        drift.factors[k, :, :] = belief.cov
-        if decompose(drift.factors[k]):
-            drift.kept += 1
+    if is_due(belief):
+        keep_belief(belief)
+
+
+@njit
+def is_due(belief: Belief):
+    """Whether so much was read that the next belief is to be kept."""
+    return belief.drift.kept < KEPT and belief.readings >= EVERY << belief.drift.kept
+
+
+@njit
+def keep_belief(belief: Belief):
+    """Keep mean and covariance as they are."""
+    drift = belief.drift
+    drift.means[drift.kept, :] = belief.mean
+    drift.factors[drift.kept, :, :] = belief.cov
+    if decompose(drift.factors[drift.kept]):
+        drift.kept += 1
