@@ -22,7 +22,7 @@ import typer
 from llvmlite import binding
 from numba.core.serialize import dumps
 
-from jawenv.files import atomic_write
+from jawenv.base.files import atomic_write
 from jawenv.kernels.cache import CHECKSUM_BYTES, LEVELS, with_checksum
 from jawenv.kernels.compiled import WorldKernel
 

@@ -10,9 +10,9 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from jawenv.base.errors import InputError
 from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
-from jawenv.errors import InputError
 from training.search.commands import optimise, refine, twin
 
 Config = Annotated[

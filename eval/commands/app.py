@@ -17,9 +17,9 @@ from eval.commands.information import information_command
 from eval.commands.live import live_command
 from eval.commands.options import terminal, typed
 from eval.commands.patient import diagnose_command, patient_command
+from jawenv.base.errors import InputError
+from jawenv.base.seeds import REPORTS
 from jawenv.commands.running import command_line, run
-from jawenv.errors import InputError
-from jawenv.seeds import REPORTS
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4

@@ -12,9 +12,9 @@ from rich.console import Console
 from eval.comparison.results import Results
 from eval.figures import words
 from eval.kept.entries import Settings, load_entry
+from jawenv.base.errors import InputError, shown
+from jawenv.base.named_objects import is_named
 from jawenv.controls import CONTROLS
-from jawenv.errors import InputError, shown
-from jawenv.named_objects import is_named
 from jawenv.playing.agents import Action
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates

@@ -20,7 +20,7 @@ from eval.patient.courses import Person
 from eval.patient.treatments import Course, Treatment, population_of
 from eval.report import template
 from jawenv.anatomy import MUSCLE_NAMES, Prior, muscle_set
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
 from jawenv.metrics.verdicts import (

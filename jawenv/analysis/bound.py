@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.analysis.path import MotionPath, path_of
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import predict_covariance, update_covariance
 from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import follow_trend

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.analysis.path import MotionPath, path_of
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import JointScratch
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.model.joint_step import propagate

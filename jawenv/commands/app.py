@@ -7,9 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
+from jawenv.base.seeds import REPORTS
 from jawenv.commands import options
 from jawenv.commands.running import command_line, run
-from jawenv.seeds import REPORTS
 
 app = command_line("Drive a simulated jaw, play and score maneuvers, identify muscles from a recording.")
 

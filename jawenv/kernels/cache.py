@@ -33,8 +33,8 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from platformdirs import user_cache_dir
 
-from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write
 from jawenv.kernels.linked import reading_linked
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for

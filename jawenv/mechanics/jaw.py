@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Fossa, Mandible, MuscleSet, default_fossa, default_mandible, muscle_set
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.kernels.records import Array, record_dtype, record_zeros
 
 N_TEETH = 3

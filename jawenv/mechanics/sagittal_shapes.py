@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.extras import needs
+from jawenv.base.extras import needs
 
 with needs("JawSagittal", "pymunk", "sagittal"):
     import pymunk

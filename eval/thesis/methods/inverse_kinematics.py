@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_STATES

@@ -25,7 +25,7 @@ from eval.thesis.methods.inverse_kinematics import (
     acceleration_from_mouthpiece,
     motion_from_pose,
 )
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, scale, subtract, vector3
 from jawenv.mechanics.dynamics import N_WRENCH, body_moment, inertia_times

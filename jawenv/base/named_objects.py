@@ -8,7 +8,7 @@ import re
 import sys
 from typing import Any
 
-from jawenv.errors import InputError, MissingPackageError
+from jawenv.base.errors import InputError, MissingPackageError
 
 __all__ = ["add_current_folder", "import_named", "is_named", "no_module", "reason"]
 

@@ -16,8 +16,8 @@ from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationError
 
-from jawenv.errors import InputError, printable, shown
-from jawenv.reading import read_text
+from jawenv.base.errors import InputError, printable, shown
+from jawenv.base.reading import read_text
 
 __all__ = [
     "FILE_TYPES",
@@ -258,7 +258,7 @@ def _parse_toml(text: str) -> Any:
 
 def _parse_yaml(text: str) -> Any:
     try:
-        from jawenv import plain_yaml
+        from jawenv.base import plain_yaml
     except ImportError:
         raise InputError("YAML files need the package pyyaml; JSON and TOML files do not") from None
     return plain_yaml.parse(text)

@@ -13,7 +13,7 @@ import zipfile
 from collections.abc import Iterator
 from typing import BinaryIO
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 __all__ = ["LARGEST_DATA", "LARGEST_TEXT", "open_file", "read_bytes", "read_member", "read_text"]
 

@@ -45,7 +45,7 @@ def made_with(**more: Any) -> dict[str, Any]:
     where there is no clone, or no git.
     """
     versions = {"python": platform.python_version(), **package_versions()}
-    return {**more, "versions": versions, "git": _git_state(Path(__file__).parents[1]), "machine": _machine()}
+    return {**more, "versions": versions, "git": _git_state(Path(__file__).parents[2]), "machine": _machine()}
 
 
 def _git_state(clone: Path) -> dict[str, Any] | None:

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.checks import real_number
-from jawenv.errors import InputError, shown
-from jawenv.files import read_into
+from jawenv.base.checks import real_number
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import read_into
 
 __all__ = ["NumericField", "NumericFields", "number"]
 

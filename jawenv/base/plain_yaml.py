@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from jawenv.errors import shown
+from jawenv.base.errors import shown
 
 __all__ = ["parse"]
 
