@@ -78,7 +78,7 @@ def play_command(
 
 
 @app.command("study")
-def study_command(
+def _study_command(
     study: Annotated[str | None, typer.Argument(metavar="[NAME|FILE]", help="A study of --list, or a file.")] = None,
     listing: Annotated[bool, typer.Option("--list", help="Say which studies come with the project.")] = False,
     patients: Annotated[
@@ -114,7 +114,7 @@ def study_command(
 
 
 @app.command("thesis")
-def thesis_command(
+def _thesis_command(
     draws: Annotated[int, typer.Option(help="Of each result; the thesis has 1,000.", metavar="N")] = 1000,
     only: Annotated[
         list[str] | None, typer.Option(help="One result by its name, as ekf_sides; may be repeated.", metavar="ITEM")

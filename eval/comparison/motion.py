@@ -48,7 +48,7 @@ def play_patient(
     for metadata in study.about["entries"]:
         if (label := metadata["label"]) not in labels:
             continue
-        recorder = MotionRecorder()
+        recorder = _MotionRecorder()
         try:
             if is_named(metadata["spec"]) and not (own_modules or trust):
                 raise InputError(
@@ -63,7 +63,7 @@ def play_patient(
     return replace(study, motions=motions, about=study.about | {"played_seed": seed})
 
 
-class MotionRecorder:
+class _MotionRecorder:
     """Recorder of the first patient's motion, for ``jawenv.play`` (``on_step``)."""
 
     def __init__(self) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 import numbers
 
-__all__ = ["real_number", "whole_number"]
-
 
 def real_number(value: object) -> float | None:
     """A finite real number as a float; None for anything else, such as a bool, a complex number, text or NaN."""

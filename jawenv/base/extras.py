@@ -7,8 +7,6 @@ from contextlib import contextmanager
 
 from jawenv.base.errors import MissingPackageError
 
-__all__ = ["needs"]
-
 
 @contextmanager
 def needs(user: str, package: str, extra: str = "", group: str = "") -> Iterator[None]:

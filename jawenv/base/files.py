@@ -19,23 +19,6 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Val
 from jawenv.base.errors import InputError, printable, shown
 from jawenv.base.reading import read_text
 
-__all__ = [
-    "FILE_TYPES",
-    "InputModel",
-    "Number",
-    "Source",
-    "Text",
-    "atomic_write",
-    "check_kept",
-    "instance_of",
-    "read_into",
-    "read_mapping",
-    "read_model",
-    "validate",
-    "write_json",
-    "write_text",
-]
-
 Source: TypeAlias = Mapping[str, Any] | str | os.PathLike[str]
 """A mapping of fields, or the path of a JSON, TOML or YAML file that holds one."""
 

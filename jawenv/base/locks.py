@@ -13,8 +13,6 @@ from filelock import FileLock, Timeout
 from jawenv.base.errors import InputError
 from jawenv.base.files import remove_unfinished
 
-__all__ = ["alone"]
-
 
 @contextlib.contextmanager
 def alone(output: Path) -> Iterator[None]:

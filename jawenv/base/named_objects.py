@@ -10,8 +10,6 @@ from typing import Any
 
 from jawenv.base.errors import InputError, MissingPackageError
 
-__all__ = ["add_current_folder", "import_named", "is_named", "no_module", "reason"]
-
 _SPEC = re.compile(r"(?P<module>[^\W\d]\w*(?:\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
 
 

@@ -15,8 +15,6 @@ from jawenv.base.checks import real_number
 from jawenv.base.errors import InputError, shown
 from jawenv.base.files import read_into
 
-__all__ = ["NumericField", "NumericFields", "number"]
-
 _TO_SI = {"mm": (1.0, 1e3), "mm/s": (1.0, 1e3), "ms": (1.0, 1e3), "deg": (pi / 180.0, 1.0)}
 """Factor and divisor of a unit, from it to SI units."""
 

@@ -9,8 +9,6 @@ import yaml
 
 from jawenv.base.errors import shown
 
-__all__ = ["parse"]
-
 MOST_VALUES = 200_000
 """Values in a text, where each alias counts as all that it stands for."""
 LONGEST_TEXT = 2**20

@@ -15,8 +15,6 @@ from typing import BinaryIO
 
 from jawenv.base.errors import InputError
 
-__all__ = ["LARGEST_DATA", "LARGEST_TEXT", "open_file", "read_bytes", "read_member", "read_text"]
-
 MIB = 2**20
 LARGEST_TEXT = 8 * MIB
 """Bytes of a file of settings, a maneuver or a patient."""

@@ -10,8 +10,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-__all__ = ["PACKAGES", "made_with", "package_versions"]
-
 PACKAGES = (
     "jawenv",
     "gymnasium",
