@@ -33,7 +33,7 @@ class Lanes(types.Type):
         super().__init__(name=f"Lanes({count})")
 
 
-class _AllLines(types.Type):
+class AllLines(types.Type):
     """Type of the index that stands for all of ``count`` rows."""
 
     def __init__(self, count: int) -> None:
@@ -48,12 +48,12 @@ class _LanesModel(PrimitiveModel):
         super().__init__(dmm, fe_type, ir.VectorType(_NUMBER, fe_type.width))
 
 
-register_model(_AllLines)(OpaqueModel)
+register_model(AllLines)(OpaqueModel)
 
 
 @intrinsic
 def _all_lines(typing: Any, array: Any) -> Any:
-    result = _AllLines(array.shape[0])
+    result = AllLines(array.shape[0])
     return result(array), lambda context, builder, signature, values: context.get_dummy_value()
 
 
@@ -220,13 +220,13 @@ lane: Any = _lane
 
 
 def _is_rows(array: Any, index: Any) -> Any:
-    """The ``_AllLines`` of an index [i] of a vector or [i, column] of a matrix."""
+    """The ``AllLines`` of an index [i] of a vector or [i, column] of a matrix."""
     if not isinstance(array, types.Array):
         return None
     several: Any = types.BaseTuple
     parts = [*index] if isinstance(index, several) else [index]
     whole = all(isinstance(column, types.Integer) for column in parts[1:])
-    return parts[0] if isinstance(parts[0], _AllLines) and len(parts) == array.ndim <= 2 and whole else None
+    return parts[0] if isinstance(parts[0], AllLines) and len(parts) == array.ndim <= 2 and whole else None
 
 
 @type_callable(operator.getitem)
@@ -264,7 +264,7 @@ def _gather(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     return vector
 
 
-lower_builtin(operator.getitem, types.Array, _AllLines)(_gather)
+lower_builtin(operator.getitem, types.Array, AllLines)(_gather)
 
 
 @type_callable(operator.setitem)
@@ -276,7 +276,7 @@ def _(context: Any) -> Callable[..., Any]:
     return typer
 
 
-@lower_builtin(operator.setitem, types.Array, _AllLines, Lanes)
+@lower_builtin(operator.setitem, types.Array, AllLines, Lanes)
 @lower_builtin(operator.setitem, types.Array, types.Tuple, Lanes)
 def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     """A number into every row."""

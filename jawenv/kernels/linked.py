@@ -29,7 +29,7 @@ class _WithoutEnvironments:
         return getattr(self._codegen, name)
 
 
-class _LinkedLibrary(JITCodeLibrary):
+class LinkedLibrary(JITCodeLibrary):
     """The code of one kernel, to be linked into that of others."""
 
     def _optimize_final_module(self) -> None:
@@ -55,7 +55,7 @@ class _LinkedLibrary(JITCodeLibrary):
         return self.name, "linked", self._get_module_for_linking().as_bitcode()
 
     @classmethod
-    def _unserialize(cls, codegen: Any, state: tuple[str, str, bytes]) -> _LinkedLibrary:
+    def _unserialize(cls, codegen: Any, state: tuple[str, str, bytes]) -> LinkedLibrary:
         name, _, code = state
         library = cls(codegen, name)
         library._final_module = binding.parse_bitcode(code)
@@ -67,17 +67,17 @@ class LinkedCompiler(Compiler):
     """Numba's compiler, for a kernel that other kernels call."""
 
     def define_pipelines(self) -> Any:
-        """Numba's own passes, into a ``_LinkedLibrary``."""
-        self.state.library = _LinkedLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+        """Numba's own passes, into a ``LinkedLibrary``."""
+        self.state.library = LinkedLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
         return super().define_pipelines()
 
 
 @contextmanager
 def reading_linked(target: Any) -> Iterator[None]:
-    """Within it the code that is read from the cache is a ``_LinkedLibrary``'s; Numba's compiler lock must be held."""
+    """Within it the code that is read from the cache is a ``LinkedLibrary``'s; Numba's compiler lock must be held."""
     codegen = target.codegen()
     usual = codegen._library_class
-    codegen._library_class = _LinkedLibrary
+    codegen._library_class = LinkedLibrary
     try:
         yield
     finally:
