@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.planning import Planner
-from jawenv.base.checks import whole_number
 from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import whole_number
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.rewards import potential

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from jawenv.base.checks import real_number
 from jawenv.base.errors import InputError, not_among, shown
+from jawenv.base.numeric_fields import real_number
 from jawenv.controls import ControlMode
 from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.tracking import LAW_TICKS

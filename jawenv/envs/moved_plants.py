@@ -11,8 +11,8 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from jawenv.base.checks import real_number
 from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import real_number
 from jawenv.envs.world.plant_kernel import (
     plant_begin,
     plant_clear,

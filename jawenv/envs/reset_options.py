@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient
-from jawenv.base.checks import whole_number
 from jawenv.base.errors import InputError, shown
 from jawenv.base.files import instance_of
+from jawenv.base.numeric_fields import whole_number
 from jawenv.envs.asked import checked_asked
 from jawenv.envs.configuration import Configuration
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from jawenv.base.checks import whole_number
 from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import whole_number
 from jawenv.envs.configuration import Configuration
 from jawenv.playing.rollout import LARGEST_SEED
 

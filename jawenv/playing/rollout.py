@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.base.checks import whole_number
 from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import whole_number
 from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
 from jawenv.playing.agents import Action, checked_decision, own_seed

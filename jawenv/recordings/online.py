@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import Cohort
 from jawenv.anatomy.knowledge import Knowledge
-from jawenv.base.checks import real_number, whole_number
 from jawenv.base.errors import InputError, shown
 from jawenv.base.files import Source
+from jawenv.base.numeric_fields import real_number, whole_number
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.configuration import Configuration, Sensors

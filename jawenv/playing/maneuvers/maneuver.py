@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from jawenv.base.checks import real_number
 from jawenv.base.errors import InputError, meant, shown
 from jawenv.base.files import InputModel, Number, Text, read_model
+from jawenv.base.numeric_fields import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST, TRACKER
 from jawenv.device.device import N_MOTORS, Device

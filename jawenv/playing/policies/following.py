@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.base.checks import real_number
 from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import FASTEST_TARGET, TRACKER
 from jawenv.device.device import N_MOTORS, Device
