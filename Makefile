@@ -4,8 +4,8 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 DEMO := runs/demo
-QUICK := $(addprefix tests/,anatomy device mechanics/test_equations_of_motion.py metrics reality test_errors.py test_files.py test_reading.py \
-	test_numeric_fields.py test_refusals.py project/test_imports.py project/test_ownable.py project/test_dependencies.py envs/test_rewards_and_ends.py)
+QUICK := $(addprefix tests/,anatomy base device mechanics/test_equations_of_motion.py metrics reality test_refusals.py \
+	project/test_imports.py project/test_ownable.py project/test_dependencies.py envs/test_rewards_and_ends.py)
 STUDIES := headline calibration long clinic imaged agents cohorts robustness force_sensors sensors rates ladder
 DEMO_TRAIN := train apg --steps 96000 --target-discomfort 0.08 --output $(DEMO)/apg --continue
 DEMO_COMPARE := compare $(DEMO)/apg random --all-maneuvers --with-replay --cohort one_sided --episode-s 10 --seed 500 --output $(DEMO)

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
-from jawenv.files import atomic_write
-from jawenv.reading import open_file
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write
+from jawenv.base.reading import open_file
 
 LARGEST_ARRAY = 256 * 2**20
 """Bytes: the actions of a thousand patients over ten minutes take 200 MB."""

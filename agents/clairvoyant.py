@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from agents.planning import Planner
 from agents.twin import MODEL
+from jawenv.base.extras import needs
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.envs.configuration import Configuration
-from jawenv.extras import needs
 from jawenv.playing.agents import Array, Mask
 from jawenv.playing.maneuvers import Maneuver
 

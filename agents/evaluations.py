@@ -6,8 +6,8 @@ import csv
 from pathlib import Path
 from typing import NamedTuple
 
-from jawenv.errors import InputError
-from jawenv.reading import read_text
+from jawenv.base.errors import InputError
+from jawenv.base.reading import read_text
 
 FILE = "evaluations.csv"
 Table = list[dict[str, float]]

@@ -8,8 +8,8 @@ from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any
 
-from jawenv.errors import InputError
-from jawenv.named_objects import add_current_folder, import_named, is_named, no_module, reason
+from jawenv.base.errors import InputError
+from jawenv.base.named_objects import add_current_folder, import_named, is_named, no_module, reason
 from jawenv.playing.agents import Agent
 
 _MEMBERS = ("name", "reset", "predict")

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import VectorEnv
 
+from jawenv.base.errors import InputError, shown
 from jawenv.controls import DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError, shown
 from jawenv.playing.agents import Action, Array, BatchAgent, Mask, Observation, State
 from jawenv.playing.maneuvers.maneuver import action_of
 

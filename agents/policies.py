@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from jawenv.base.errors import InputError
+from jawenv.base.reading import open_file
 from jawenv.controls import Control
-from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Action, Agent, BatchAgent, Mask, Observation, State, check_size
 from jawenv.playing.policies.card import CARD, card_of, policy_folder
 from jawenv.playing.policies.plain import check_environment, load_plain, on_maneuver
-from jawenv.reading import open_file
 
 if TYPE_CHECKING:
     from stable_baselines3.common.policies import BasePolicy

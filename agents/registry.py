@@ -7,11 +7,11 @@ from agents.own import load_own, source_of
 from agents.planners import PLANNERS
 from agents.policies import load_policy
 from agents.replay import Replay
+from jawenv.base.errors import InputError, not_among
+from jawenv.base.named_objects import is_named
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError, not_among
 from jawenv.ladder import model_of_env
-from jawenv.named_objects import is_named
 from jawenv.playing.agents import Agent
 from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import maneuver_names

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from agents.array_files import load_arrays, save_arrays
+from jawenv.base.errors import InputError, printable, shown
+from jawenv.base.files import write_text
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
-from jawenv.errors import InputError, printable, shown
-from jawenv.files import write_text
 from jawenv.playing.agents import Action, Agent, Array, BatchAgent, Mask, Observation, State
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import goals_of

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.planning import Planner
-from jawenv.checks import whole_number
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import whole_number
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
-from jawenv.errors import InputError, shown
 from jawenv.playing.agents import Array, Mask
 from jawenv.playing.maneuvers.maneuver import action_of
 

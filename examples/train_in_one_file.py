@@ -19,8 +19,8 @@ from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst
 from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
+from jawenv.base.seeds import TRAINING, VALIDATION
 from jawenv.playing.maneuvers.maneuver import action_of
-from jawenv.seeds import TRAINING, VALIDATION
 
 EPISODE_S, HZ, COHORT, MANEUVER = 10.0, 5, "one_sided", "refined_one_sided"
 STEPS, SCALE, NOISE = round(EPISODE_S * HZ), 0.5, 0.1

@@ -12,8 +12,8 @@ import torch
 from stable_baselines3 import PPO
 
 import jawenv
+from jawenv.base.seeds import TRAINING
 from jawenv.sb3 import NativeVecEnv
-from jawenv.seeds import TRAINING
 
 ENV_ID = "jawenv/Jaw-v3"
 WORLDS, STEPS_EACH = 32, 128

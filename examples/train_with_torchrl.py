@@ -17,7 +17,7 @@ from torchrl.objectives import ClipPPOLoss
 from torchrl.objectives.value import GAE
 
 import jawenv  # noqa: F401 - registers the environments
-from jawenv.seeds import TRAINING
+from jawenv.base.seeds import TRAINING
 
 WORLDS, STEPS_EACH, EPOCHS, BATCH = 32, 64, 4, 512
 KWARGS = {"reward": "mixed", "comfort_weight": 60.0}

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from jawenv.analysis.identifiability import identifiability
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Anatomy, Cohort, Patient, cohort
     from jawenv.anatomy.knowledge import Knowledge
+    from jawenv.base.errors import InputError
     from jawenv.device import Device
     from jawenv.device.comfort_settings import Comfort
-    from jawenv.errors import InputError
     from jawenv.inference.information_gain import InformationGain, contrastive_bounds, information_gain
     from jawenv.inference.likelihood import fisher_information, log_likelihood
     from jawenv.inference.patient_law import PatientLaw
@@ -38,7 +38,7 @@ _HOMES = {
     "Comfort": "jawenv.device.comfort_settings",
     "Device": "jawenv.device",
     "InformationGain": "jawenv.inference.information_gain",
-    "InputError": "jawenv.errors",
+    "InputError": "jawenv.base.errors",
     "Knowledge": "jawenv.anatomy.knowledge",
     "MUSCLE_NAMES": "jawenv.anatomy",
     "Maneuver": "jawenv.playing.maneuvers",

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from jawenv.errors import InputError, not_among, shown
+from jawenv.base.errors import InputError, not_among, shown
 
 Control = Literal["force", "trajectory", "targets"]
 DEFAULT_CONTROL: Final[Control] = "targets"

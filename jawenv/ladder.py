@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
-from jawenv.errors import not_among
+from jawenv.base.errors import not_among
 from jawenv.mechanics.jaw import ALL_FREE
 
 Plant = Literal["midline", "contact", "bilateral"]

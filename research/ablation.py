@@ -67,18 +67,18 @@ class Scenario(NamedTuple):
 
 
 @njit
-def deriving(jaw, motion, samples, dt, derive, scratch):
+def _deriving(jaw, motion, samples, dt, derive, scratch):
     """In place of ``move``: the Jacobian along the motion that this tick's reading has moved."""
     move(jaw, motion, samples, dt, True, scratch)
 
 
 @njit
-def rows_of_the_motion(jaw, belief, used, scratch):
+def _rows_of_the_motion(jaw, belief, used, scratch):
     """In place of ``set_rows_of_past``: the rows at that motion."""
 
 
 @njit
-def at_constant_rates(jaw, before, after):
+def _at_constant_rates(jaw, before, after):
     """In place of ``middle_of``: muscle lines where the tick's first rates lead by half way."""
     half, share = before.shape[0] // 2, 0.5 * TICK
     first = half - 3  # of the angles
@@ -96,7 +96,7 @@ def as_read(jaw, belief, pose, scratch):
 
 
 @njit
-def without_inertia(jaw, belief, pose, dt, scratch):
+def _without_inertia(jaw, belief, pose, dt, scratch):
     """In place of ``set_inertia_column``."""
 
 
@@ -107,7 +107,7 @@ def whole(jaw, belief, settings):
 
 
 @njit
-def ticks_of_a_visit(jaw, belief, settings):
+def _ticks_of_a_visit(jaw, belief, settings):
     """In place of ``count_ticks``: earlier visits are forgotten."""
     return 0.0 if settings.whole > 0.0 else stay_of(jaw, belief, settings.dt)
 
@@ -152,16 +152,16 @@ ROWS = (
     Variant("series of the second order", {"model.motion_step.ORDER": 2}),
     Variant(
         "Jacobian and rows along the tick's own motion",
-        {"updates.time_update.move": deriving, "updates.measurement_update.set_rows_of_past": rows_of_the_motion},
+        {"updates.time_update.move": _deriving, "updates.measurement_update.set_rows_of_past": _rows_of_the_motion},
     ),
     Variant("predicted from the first reading on", {"updates.instrument.FIRST_READINGS": 0}),
-    Variant("muscle lines at constant rates", {"updates.time_update.middle_of": at_constant_rates}),
+    Variant("muscle lines at constant rates", {"updates.time_update.middle_of": _at_constant_rates}),
     Variant("teeth whose force is certain", {"readings.teeth.TOOTH_NOISE": (0.0,) * 6}),
     Variant("learning while teeth press", {"tick.NEAR": -math.inf}),
     Variant("teeth as believed alone, and not as read", {"readings.teeth.COARSEST": 0.0}),
     Variant("nothing wrong at a pose", {"settings.LASTING": 0.0}),
     Variant("the gain's column as the cell reads", {"updates.time_update.set_balanced_trend": as_read}),
-    Variant("the gain error without inertia", {"updates.time_update.set_inertia_column": without_inertia}),
+    Variant("the gain error without inertia", {"updates.time_update.set_inertia_column": _without_inertia}),
     Variant("the point follows the belief", {"learn.conclude": learn}),
     Variant("motors of 50 N/s", device={"slew_N_s": 50.0}),
     Variant("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
@@ -199,7 +199,7 @@ BODY_CELLS = (
 )
 LASTING_ROWS = (
     Variant("the filter as it is"),
-    Variant("each visit of a pose by itself", {"readings.lasting.count_ticks": ticks_of_a_visit}),
+    Variant("each visit of a pose by itself", {"readings.lasting.count_ticks": _ticks_of_a_visit}),
     Variant("every reading counts whole", {"tick.weight_of_stay": whole}),
 )
 HALF, SECOND = {"unmodelled_time_s": 0.5}, {"unmodelled_time_s": 1.0}

@@ -20,9 +20,9 @@ from eval.commands.benchmark import BASELINES
 from eval.figures.tables import Table
 from eval.kept.cells import play_cells
 from eval.kept.parts import Run
+from jawenv.base.seeds import REPORTS
 from jawenv.playing.excitation import EXCITATIONS
 from jawenv.playing.maneuvers import maneuver_names
-from jawenv.seeds import REPORTS
 
 AGENTS = tuple(dict.fromkeys((*BASELINES, *maneuver_names(), *EXCITATIONS)))
 PUBLIC = 100

@@ -30,7 +30,7 @@ CORNERS = np.array([[1.0 - 2.0 * (i >> k & 1) for k in range(ACTION_SIZE)] for i
 SECONDS, EACH, LOST = 30.0, 4, 10.0
 
 
-class Recurrent:
+class _Recurrent:
     """Networks with random weights, one for each world: 32 tanh units that see the observation and themselves."""
 
     def __init__(self, worlds, observed, rng):
@@ -51,7 +51,7 @@ class Hostile:
     def __init__(self, observed, steps_per_s, seed):
         rng = np.random.default_rng(seed)
         self.constant = np.concatenate([CORNERS, rng.uniform(-1.0, 1.0, (EACH * 4, ACTION_SIZE))])
-        self.networks = Recurrent(EACH * 4, observed, rng)
+        self.networks = _Recurrent(EACH * 4, observed, rng)
         self.excitations = [make(float(steps_per_s)) for make in EXCITATIONS.values()]
         for part in self.excitations:
             part.reset(EACH, seed=seed)

@@ -22,7 +22,7 @@ import typer
 from llvmlite import binding
 from numba.core.serialize import dumps
 
-from jawenv.files import atomic_write
+from jawenv.base.files import atomic_write
 from jawenv.kernels.cache import CHECKSUM_BYTES, LEVELS, with_checksum
 from jawenv.kernels.compiled import WorldKernel
 
@@ -87,7 +87,7 @@ def measure(
 ) -> None:
     """Print a Markdown table."""
     if ship is not None:
-        make_shipped(ship)
+        _make_shipped(ship)
         return
     print("| variant | first start, s of a processor | second start, s | step, µs |\n|---|--:|--:|--:|")
     for name, before in VARIANTS.items():
@@ -109,7 +109,7 @@ def _run(before: str, rounds: int, cache: str) -> tuple[float, float]:
     return start, step
 
 
-def make_shipped(folder: Path) -> None:
+def _make_shipped(folder: Path) -> None:
     """Make the kernels of common models for every level."""
     with tempfile.TemporaryDirectory() as cache:
         make_cache(cache, COMMON)

@@ -41,7 +41,7 @@ def stay(belief: Belief, settings: FilterSettings, scratch):
 
 
 @njit
-def keep_nodes(belief: Belief, scratch):
+def _keep_nodes(belief: Belief, scratch):
     """In place of ``refocus``."""
 
 
@@ -51,11 +51,11 @@ def never(belief: Belief):
     return False
 
 
-STAYING = ((learning, "recentre", stay), (learning, "refocus", keep_nodes), (tick, "has_moved", never))
+STAYING = ((learning, "recentre", stay), (learning, "refocus", _keep_nodes), (tick, "has_moved", never))
 
 
 @njit
-def set_point(belief: Belief, settings: FilterSettings, theta, nuisances, row):
+def _set_point(belief: Belief, settings: FilterSettings, theta, nuisances, row):
     """Move the point to the truth before the first reading."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     set_coefficients(belief.basis, theta, belief.nominal)
@@ -98,7 +98,7 @@ def measure(arguments: argparse.Namespace, at_truth: bool) -> list[list[float]]:
         online = OnlineFilter.of_record(record, every=EVERY)
         if at_truth:
             row = np.zeros(online._belief["score"].size)
-            set_point(online._belief, online._settings, theta.copy(), nuisances.copy(), row)
+            _set_point(online._belief, online._settings, theta.copy(), nuisances.copy(), row)
         for k, measured in enumerate(record.measured):
             belief = online.update(measured, record.samples[k - 1] if k > 0 else None)
         error = belief.log_mean - theta

@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 
 import jawenv
 from agents import load_agent
+from jawenv.base.seeds import REPORTS, TUNING
 from jawenv.recordings.identification import identified
 from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import thinned
-from jawenv.seeds import REPORTS, TUNING
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from safetensors.numpy import save
 
+from jawenv.base.files import validate, write_json
 from jawenv.envs.configuration import configure
 from jawenv.envs.observation import OBSERVATION_SIZE
-from jawenv.files import validate, write_json
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.card import CARD, WEIGHTS, Environment, ModelCard
 from jawenv.playing.policies.residual import N_FEATURES

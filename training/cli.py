@@ -10,9 +10,9 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from jawenv.base.errors import InputError
 from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
-from jawenv.errors import InputError
 from training.search.commands import optimise, refine, twin
 
 Config = Annotated[
@@ -176,7 +176,7 @@ def tune(
 
 
 @app.command("export")
-def export_command(
+def _export_command(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of the run.")],
     output: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder of the exported policy.")],
     results: Annotated[
@@ -202,7 +202,7 @@ def export_command(
 
 
 @app.command("onnx")
-def onnx_command(
+def _onnx_command(
     policy: Annotated[Path, typer.Argument(metavar="POLICY", help="A shipped policy's name, or the folder of one.")],
     output: Annotated[Path, typer.Option(metavar="FILE.onnx", help="Where it is written.")],
 ) -> None:

@@ -13,6 +13,7 @@ from torch import Tensor
 from agents.twin import MODEL
 from agents.twin.mechanics import Jaw
 from agents.twin.nuisances import Nuisances
+from jawenv.base.errors import InputError
 from jawenv.device.channels import CHANNELS
 from jawenv.device.comfort import (
     COMFORT_LIMITS,
@@ -26,7 +27,6 @@ from jawenv.device.comfort import (
 from jawenv.device.guard import CREST_SHARE, GUARDS
 from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.tracking import LAW_TICKS
-from jawenv.errors import InputError
 from jawenv.ladder import title_of_env
 
 STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)

@@ -9,7 +9,7 @@ from inspect import cleandoc, getsource
 from itertools import pairwise
 from textwrap import dedent
 
-from jawenv.numeric_fields import NumericFields
+from jawenv.base.numeric_fields import NumericFields
 
 ATTRIBUTE = re.compile(r"^    (\w[\w, ]*): (.+(?:\n {8,}.+)*)", re.M)
 

@@ -25,12 +25,12 @@ from table_page import first_table  # noqa: E402
 
 from eval.report import drawing  # noqa: E402
 from eval.report.template import picture  # noqa: E402
+from jawenv.base.files import atomic_write  # noqa: E402
+from jawenv.base.locks import alone  # noqa: E402
+from jawenv.base.progress import Progress  # noqa: E402
 from jawenv.device.channels import CHANNELS  # noqa: E402
-from jawenv.files import atomic_write  # noqa: E402
-from jawenv.locks import alone  # noqa: E402
 from jawenv.playing.maneuvers import Maneuver, maneuver_names  # noqa: E402
 from jawenv.playing.maneuvers.maneuver import FOLDER  # noqa: E402
-from jawenv.progress import Progress  # noqa: E402
 
 KEPT = ROOT / "runs" / "gallery"
 TABLE = ROOT / "docs" / "tables" / "headline.md"

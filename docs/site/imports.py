@@ -17,11 +17,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "tables" / "rooms.md"
 
-SHARED = (
-    *("errors", "extras", "checks", "plain_yaml", "reading", "files", "locks", "versions", "seeds", "progress"),
-    *("controls", "numeric_fields", "named_objects"),
-)
-"""Single modules that every room may import."""
+SHARED = ("base", "controls")
+"""Rooms that every other one may import."""
 LOOP = ("kernels", "anatomy", "mechanics", "ladder", "device", "reality", "filter", "rendering", "envs")
 """Rooms of which something runs in every step of an environment."""
 STUDY = (
@@ -99,10 +96,8 @@ def table() -> str:
         others = sorted(imports[room] - shared - {"jawenv"}, key=ORDER.index)
         return f"| `{room}` | {about(room)} | {', '.join(_short(other) for other in others) or '–'} |"
 
-    names = ", ".join(f"`{name}`" for name in SHARED)
     lines = ["| room | what it is about | imports |", "|---|---|---|"]
-    lines.append(f"| single modules of `jawenv` | {names} | one another |")
-    for title, rooms in (("in the loop", LOOP), ("studies the loop", STUDY)):
+    for title, rooms in (("for all others", SHARED), ("in the loop", LOOP), ("studies the loop", STUDY)):
         lines += [f"| **{title}** | | |", *(row(f"jawenv.{name}") for name in rooms)]
     lines += ["| **runs from the clone** | | |", *(row(name) for name in CLONE)]
     return "\n".join(lines) + "\n"

@@ -18,8 +18,8 @@ from eval.benchmark.check import CANNOT_KNOW
 from eval.benchmark.tasks import TASKS, VERSION
 from eval.figures import words
 from eval.figures.tables import Marked, Table, plain
-from jawenv.errors import InputError
-from jawenv.files import read_model
+from jawenv.base.errors import InputError
+from jawenv.base.files import read_model
 from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS

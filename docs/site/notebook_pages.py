@@ -24,9 +24,9 @@ sys.path[:0] = [str(Path(__file__).parent), str(ROOT)]
 
 from formulas import with_mathml  # noqa: E402
 
-from jawenv.files import atomic_write  # noqa: E402
-from jawenv.locks import alone  # noqa: E402
-from jawenv.progress import Progress  # noqa: E402
+from jawenv.base.files import atomic_write  # noqa: E402
+from jawenv.base.locks import alone  # noqa: E402
+from jawenv.base.progress import Progress  # noqa: E402
 
 SOURCES = sorted((ROOT / "eval" / "notebooks").glob("*.ipynb"))
 KEPT = ROOT / "runs" / "notebooks"

@@ -17,7 +17,7 @@ import numpy as np
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT)]
 
-from jawenv.files import write_text  # noqa: E402
+from jawenv.base.files import write_text  # noqa: E402
 from jawenv.live.jaw3d import Jaw3D  # noqa: E402
 from jawenv.live.outcome import learned_agents  # noqa: E402
 from jawenv.live.server import serving  # noqa: E402

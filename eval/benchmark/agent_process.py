@@ -22,9 +22,9 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from agents import registry
+from jawenv.base.errors import InputError, shown
+from jawenv.base.named_objects import is_named
 from jawenv.controls import CONTROLS
-from jawenv.errors import InputError, shown
-from jawenv.named_objects import is_named
 from jawenv.playing.agents import Action, Agent, Mask, Observation, State, checked_decision
 
 DECISION_S = 20.0

@@ -20,11 +20,11 @@ from eval.kept.cells import Cell, play_parts
 from eval.kept.parts import Part, Run
 from eval.kept.tables import read_table
 from eval.rows.times import COLUMNS
-from jawenv import versions
+from jawenv.base import versions
+from jawenv.base.errors import InputError, shown
+from jawenv.base.named_objects import is_named
+from jawenv.base.reading import read_text
 from jawenv.controls import mode_of
-from jawenv.errors import InputError, shown
-from jawenv.named_objects import is_named
-from jawenv.reading import read_text
 
 _ROUNDING = 1e-9
 _COLUMNS = ("task", "agent", *COLUMNS)

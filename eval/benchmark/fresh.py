@@ -32,8 +32,8 @@ from eval.kept.entries import Entry
 from eval.kept.parts import Run
 from eval.rows import outcomes, times
 from eval.rows.times import Times
-from jawenv.files import InputModel, Number
-from jawenv.reading import read_bytes
+from jawenv.base.files import InputModel, Number
+from jawenv.base.reading import read_bytes
 
 Array = npt.NDArray[np.float64]
 CHECKED = "checked.json"

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from jawenv.errors import shown
+from jawenv.base.errors import shown
 
 LONGEST_LABEL = 60
 _NO_LABEL = re.compile(r"[^A-Za-z0-9 ._()-]+")

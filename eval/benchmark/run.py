@@ -13,7 +13,7 @@ from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
 from eval.kept.cells import Cell
 from eval.kept.entries import can_play, load_entry
 from eval.rows.times import Times
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 
 def cells_of(

@@ -34,12 +34,12 @@ from eval.benchmark.run import cell_of
 from eval.benchmark.scores import by_cell, score_of
 from eval.benchmark.tasks import TASKS, VERSION, digest
 from eval.kept.cells import Cell
-from jawenv.errors import InputError, shown
-from jawenv.files import InputModel, Number, atomic_write, read_model
-from jawenv.named_objects import is_named
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import InputModel, Number, atomic_write, read_model
+from jawenv.base.named_objects import is_named
+from jawenv.base.reading import read_bytes
 from jawenv.playing.excitation import EXCITATIONS
 from jawenv.playing.policies.card import card_of, policy_names
-from jawenv.reading import read_bytes
 
 FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"
 

@@ -13,8 +13,8 @@ from typing import Any
 from eval.kept.entries import Settings
 from jawenv.anatomy import cohort
 from jawenv.anatomy.knowledge import knowledge
+from jawenv.base.errors import InputError, shown
 from jawenv.device.device import device_of
-from jawenv.errors import InputError, shown
 
 VERSION = "jawenv-2"
 """Version for citation, with the ids of the tasks."""

@@ -10,8 +10,8 @@ from eval.kept.cells import Cell
 from eval.kept.entries import Settings, load_entries, load_entry
 from eval.rows.beliefs import LATE, Beliefs
 from eval.rows.filters import filters_named
+from jawenv.base.errors import InputError
 from jawenv.controls import mode_of
-from jawenv.errors import InputError
 
 PATIENTS_IN_A_PART = 8
 

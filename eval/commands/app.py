@@ -17,9 +17,9 @@ from eval.commands.information import information_command
 from eval.commands.live import live_command
 from eval.commands.options import terminal, typed
 from eval.commands.patient import diagnose_command, patient_command
+from jawenv.base.errors import InputError
+from jawenv.base.seeds import REPORTS
 from jawenv.commands.running import command_line, run
-from jawenv.errors import InputError
-from jawenv.seeds import REPORTS
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4
@@ -78,7 +78,7 @@ def play_command(
 
 
 @app.command("study")
-def study_command(
+def _study_command(
     study: Annotated[str | None, typer.Argument(metavar="[NAME|FILE]", help="A study of --list, or a file.")] = None,
     listing: Annotated[bool, typer.Option("--list", help="Say which studies come with the project.")] = False,
     patients: Annotated[
@@ -114,7 +114,7 @@ def study_command(
 
 
 @app.command("thesis")
-def thesis_command(
+def _thesis_command(
     draws: Annotated[int, typer.Option(help="Of each result; the thesis has 1,000.", metavar="N")] = 1000,
     only: Annotated[
         list[str] | None, typer.Option(help="One result by its name, as ekf_sides; may be repeated.", metavar="ITEM")

@@ -9,7 +9,7 @@ import typer
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -117,8 +117,8 @@ def _play(
     from eval.benchmark.tasks import tasks_named
     from eval.kept.cells import play_cells
     from eval.kept.tables import made_with, write_table
-    from jawenv.files import write_json, write_text
-    from jawenv.locks import alone
+    from jawenv.base.files import write_json, write_text
+    from jawenv.base.locks import alone
 
     submission.refuse_copies(agents, output)
     submission.refuse_answers(agents)
@@ -142,9 +142,9 @@ def _play_baselines(agents: list[str], names: list[str] | None, patients: int | 
     from eval.benchmark.run import fitting_agents
     from eval.benchmark.submission import PAGE
     from eval.benchmark.tasks import tasks_named
-    from jawenv.files import write_text
-    from jawenv.reading import read_text
-    from jawenv.versions import made_with
+    from jawenv.base.files import write_text
+    from jawenv.base.reading import read_text
+    from jawenv.base.versions import made_with
 
     if agents:
         raise InputError(f"--baselines: plays what comes with jawenv, and not {shown(agents[0])}; allowed: no agents")
@@ -216,7 +216,7 @@ def _check_fresh(folder: Path, public: pd.DataFrame, number: int, key: bytes, ru
     from eval.benchmark import fresh, submission
     from eval.figures.words import scaled, with_interval
     from eval.kept.tables import made_with
-    from jawenv.files import write_json
+    from jawenv.base.files import write_json
 
     compared = fresh.compare(folder, submission.read(folder), public, number, key, run, trust=trust)
     print(f"fresh patients: {number} of each task, drawn by --key {key.hex()}")

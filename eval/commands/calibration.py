@@ -9,9 +9,9 @@ import typer
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from jawenv.errors import InputError
-from jawenv.files import write_text
-from jawenv.seeds import REPORTS
+from jawenv.base.errors import InputError
+from jawenv.base.files import write_text
+from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world("episode_s")

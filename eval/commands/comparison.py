@@ -10,9 +10,9 @@ from rich.console import Console
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from jawenv.errors import InputError
-from jawenv.locks import alone
-from jawenv.seeds import REPLAYS, REPORTS
+from jawenv.base.errors import InputError
+from jawenv.base.locks import alone
+from jawenv.base.seeds import REPLAYS, REPORTS
 
 if TYPE_CHECKING:
     from eval.comparison.admission import AdmissionLimits
@@ -104,7 +104,7 @@ def card_command(
     """Write an entry's figures in a comparison, for the model card of `training export --results`."""
     from eval.comparison import results
     from eval.comparison.card_results import card_results
-    from jawenv.files import write_json
+    from jawenv.base.files import write_json
 
     reached = card_results(results.load(folder), entry)
     with alone(output):
@@ -125,7 +125,7 @@ def contest_command(
     """
     from eval.comparison import results
     from eval.comparison.contest import markdown
-    from jawenv.files import write_text
+    from jawenv.base.files import write_text
 
     with terminal().status("timing a decision of every entry"):
         page = markdown({folder.name: results.load(folder) for folder in folders})

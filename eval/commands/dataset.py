@@ -9,7 +9,7 @@ import typer
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from jawenv.seeds import REPORTS
+from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world()
@@ -38,7 +38,7 @@ def dataset_command(
     """
     from eval.episodes.dataset import FORMATS, REFERENCES, write_all
     from eval.kept.entries import Settings
-    from jawenv.errors import InputError, shown
+    from jawenv.base.errors import InputError, shown
 
     if file_format not in FORMATS:
         raise InputError(f"format is {shown(file_format)}; allowed: {', '.join(FORMATS)}")

@@ -9,7 +9,7 @@ import typer
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from jawenv.seeds import REPORTS
+from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world()
@@ -40,7 +40,7 @@ def information_command(
     from eval.kept.entries import Settings
     from eval.kept.parts import Run
     from eval.kept.tables import made_with, write_table
-    from jawenv.files import write_text
+    from jawenv.base.files import write_text
 
     settings, console = Settings.of(patients, seed, **{"episode_s": 10.0} | world), terminal()
     cells = information.cells_of(list(dict.fromkeys(entries or [])), settings, contrasts, trust=trust)

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 import typer
 
 from eval.commands import options
+from jawenv.base.errors import InputError
+from jawenv.base.seeds import REPORTS
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError
 from jawenv.live.server import PORT
 from jawenv.playing.agents import Agent, Planning
-from jawenv.seeds import REPORTS
 
 
 @options.takes_world()

@@ -11,10 +11,10 @@ import typer
 from eval.commands import options
 from eval.commands.options import terminal, typed
 from eval.figures import words
-from jawenv.errors import InputError
-from jawenv.files import write_text
+from jawenv.base.errors import InputError
+from jawenv.base.files import write_text
+from jawenv.base.seeds import REPORTS
 from jawenv.ladder import DEFAULT_ENV, env_id_of
-from jawenv.seeds import REPORTS
 
 
 @options.takes_world()

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from eval.figures.catalogue import ADMITTED_S, PER_S
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 FALSE_NEES = 4.0
 """Mean NEES per parameter above which sds are false: errors are more than twice what the filter states."""

@@ -11,7 +11,7 @@ from eval.figures import statistics
 from eval.figures.catalogue import FIGURES
 from eval.figures.statistics import Interval
 from eval.rows.outcomes import EARLY_S
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.policies.card import Result, ResultsFile
 
 DECIMALS = 3

@@ -23,7 +23,7 @@ from eval.figures.catalogue import FIGURES, above_limit, per_30_s
 from eval.figures.statistics import UNKNOWN, Array, Interval
 from eval.figures.tables import Table, made_by
 from eval.kept.entries import Settings
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 NOTE = (
     "Worst sd, true error: mean log of the largest sd asked for and of the root mean square error, less that of the "

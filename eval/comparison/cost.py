@@ -11,8 +11,8 @@ import gymnasium as gym
 
 from agents.planning import Planner
 from eval.kept.entries import Entry, Settings, load_entry
-from jawenv.errors import InputError
-from jawenv.named_objects import is_named
+from jawenv.base.errors import InputError
+from jawenv.base.named_objects import is_named
 from jawenv.playing.agents import own_seed
 from jawenv.playing.policies.card import card_of
 

@@ -13,7 +13,7 @@ from eval.figures.tables import Table
 from eval.kept.cells import Cell
 from eval.kept.entries import Settings, load_entries, load_entry
 from eval.rows.gains import Gains
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 PATIENTS_IN_A_PART = 5
 HEAD = (

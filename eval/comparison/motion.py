@@ -12,9 +12,9 @@ from rich.console import Console
 from eval.comparison.results import Results
 from eval.figures import words
 from eval.kept.entries import Settings, load_entry
+from jawenv.base.errors import InputError, shown
+from jawenv.base.named_objects import is_named
 from jawenv.controls import CONTROLS
-from jawenv.errors import InputError, shown
-from jawenv.named_objects import is_named
 from jawenv.playing.agents import Action
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
@@ -48,7 +48,7 @@ def play_patient(
     for metadata in study.about["entries"]:
         if (label := metadata["label"]) not in labels:
             continue
-        recorder = MotionRecorder()
+        recorder = _MotionRecorder()
         try:
             if is_named(metadata["spec"]) and not (own_modules or trust):
                 raise InputError(
@@ -63,7 +63,7 @@ def play_patient(
     return replace(study, motions=motions, about=study.about | {"played_seed": seed})
 
 
-class MotionRecorder:
+class _MotionRecorder:
     """Recorder of the first patient's motion, for ``jawenv.play`` (``on_step``)."""
 
     def __init__(self) -> None:

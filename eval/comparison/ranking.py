@@ -15,7 +15,7 @@ from eval.comparison.admission import AdmissionLimits, does_not_fit, false_sd
 from eval.comparison.results import Results
 from eval.figures.catalogue import FIGURES, Figure, above_limit, gained, reaches, time_to
 from eval.figures.statistics import Interval
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.metrics import nees_band
 
 KNOWN = 0.05

@@ -24,8 +24,8 @@ from eval.kept.entries import Entry, Settings
 from eval.kept.parts import Run
 from eval.kept.tables import made_with, read_table, write_table
 from eval.rows.outcomes import PATIENT_METRICS, Outcomes, curves, without_times
-from jawenv.errors import InputError
-from jawenv.locks import alone
+from jawenv.base.errors import InputError
+from jawenv.base.locks import alone
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.playing.rollout import DEFAULT_ENV
 

@@ -7,8 +7,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from jawenv.extras import needs
-from jawenv.files import write_text
+from jawenv.base.extras import needs
+from jawenv.base.files import write_text
 
 FILE = "croissant.json"
 ENCODINGS = {".arrow": "application/vnd.apache.arrow.file", ".hdf5": "application/x-hdf5", ".json": "application/json"}

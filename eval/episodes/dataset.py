@@ -19,12 +19,12 @@ import jawenv
 from eval.episodes.croissant import write_croissant
 from eval.kept.entries import Entry, Settings, load_entries
 from eval.kept.tables import made_with
-from jawenv.errors import InputError
-from jawenv.extras import needs
+from jawenv.base.errors import InputError
+from jawenv.base.extras import needs
+from jawenv.base.locks import alone
+from jawenv.base.progress import Progress
 from jawenv.ladder import model_of_env
-from jawenv.locks import alone
 from jawenv.playing.agents import checked_decision, own_seed
-from jawenv.progress import Progress
 
 REFERENCES = ("random", "hold_still", "slow_opening", "opening_with_swings_and_fore_aft", "refined")
 FORMATS = ("arrow", "hdf5")

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from eval.figures import words
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write
+from jawenv.base.locks import alone
+from jawenv.base.progress import Progress
 from jawenv.envs.shown_world import build_scene
-from jawenv.errors import InputError
-from jawenv.files import atomic_write
 from jawenv.ladder import model_of_env
-from jawenv.locks import alone
 from jawenv.playing.agents import checked_decision, own_seed
-from jawenv.progress import Progress
 from jawenv.rendering.film import PairRenderer
 
 if TYPE_CHECKING:

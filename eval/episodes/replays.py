@@ -12,10 +12,10 @@ from agents.replay import check_targets, replays_of, save_maneuver
 from eval.figures import words
 from eval.kept.digest import fingerprint
 from eval.kept.entries import Entry, Settings, load_entries
-from jawenv.errors import InputError, shown
-from jawenv.locks import alone
-from jawenv.progress import Progress
-from jawenv.seeds import REPLAYS
+from jawenv.base.errors import InputError, shown
+from jawenv.base.locks import alone
+from jawenv.base.progress import Progress
+from jawenv.base.seeds import REPLAYS
 
 
 def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Console | None = None) -> Path:

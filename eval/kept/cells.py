@@ -21,7 +21,7 @@ from eval.kept.digest import fingerprint
 from eval.kept.entries import Entry
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import read_table, write_table
-from jawenv.progress import Progress
+from jawenv.base.progress import Progress
 
 FOLDER = "parts"
 """Folder of finished parts within an output folder."""

@@ -14,14 +14,15 @@ import agents
 import jawenv
 from agents import registry
 from eval.kept.entries import Entry
-from jawenv.errors import InputError, shown
-from jawenv.files import FILE_TYPES
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import FILE_TYPES
+from jawenv.base.reading import read_bytes
+from jawenv.base.versions import package_versions
 from jawenv.playing.agents import Agent
-from jawenv.reading import read_bytes
-from jawenv.versions import package_versions
 
 _SOURCES = {".py", ".toml", ".yaml", ".json", ".csv"}
 DECIDING = (
+    "base",
     "kernels",
     "anatomy",
     "mechanics",

@@ -11,15 +11,15 @@ from agents.planners import PLANNERS
 from agents.planning import Planner
 from agents.policies import TrainedPolicy
 from agents.registry import world_of
+from jawenv.base.errors import InputError, shown
+from jawenv.base.seeds import REPORTS
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError, shown
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS
 from jawenv.playing.agents import Agent
 from jawenv.playing.policies.residual import ResidualPolicy
 from jawenv.playing.recording import Recording
 from jawenv.playing.rollout import LARGEST_SEED, OnStep, play
-from jawenv.seeds import REPORTS
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient

@@ -17,10 +17,10 @@ from typing import Literal, TypeVar, get_args
 from joblib import Parallel, delayed, register_parallel_backend
 from rich.console import Console
 
-from jawenv.errors import InputError, shown
-from jawenv.extras import needs
-from jawenv.locks import alone
-from jawenv.progress import Progress
+from jawenv.base.errors import InputError, shown
+from jawenv.base.extras import needs
+from jawenv.base.locks import alone
+from jawenv.base.progress import Progress
 
 Backend = Literal["loky", "ray"]
 LOOPBACK = "127.0.0.1"

@@ -11,16 +11,16 @@ from typing import Any
 import pandas as pd
 import pyarrow as pa
 
-from jawenv import versions
-from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.base import versions
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write
 from jawenv.recordings.parquet import read_parquet, write_parquet
 
 _KEY = b"jawenv.eval"
 
 
 def made_with(command: str, **more: Any) -> dict[str, Any]:
-    """Metadata of results: the command, further keywords, `jawenv.versions.made_with`, and the time now."""
+    """Metadata of results: the command, further keywords, `jawenv.base.versions.made_with`, and the time now."""
     now = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime())
     return versions.made_with(command=command, **more, finished=now)
 

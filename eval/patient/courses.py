@@ -16,8 +16,8 @@ from eval.kept.parts import Part, Run, finish, folder_for
 from eval.patient import belief, treatments
 from eval.patient.treatments import Course, Treatment, first_treatment, next_treatment
 from jawenv.anatomy import Patient
-from jawenv.errors import InputError
-from jawenv.progress import Progress
+from jawenv.base.errors import InputError
+from jawenv.base.progress import Progress
 
 MOMENTS = 40
 """Kept of each treatment."""

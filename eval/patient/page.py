@@ -20,7 +20,7 @@ from eval.patient.courses import Person
 from eval.patient.treatments import Course, Treatment, population_of
 from eval.report import template
 from jawenv.anatomy import MUSCLE_NAMES, Prior, muscle_set
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
 from jawenv.metrics.verdicts import (
@@ -58,7 +58,7 @@ class CardQuantity:
 
 
 @dataclass(frozen=True)
-class Card:
+class _Card:
     """Texts and pictures of one muscle."""
 
     title: str  # the muscle's name and side
@@ -195,12 +195,12 @@ def _who(entry: Entry, person: Person) -> str:
 
 def _card(
     course: Sequence[Treatment], prior: Prior, changed: Change | None, muscle: int, now: Verdict, show_truth: bool
-) -> Card:
+) -> _Card:
     name = MUSCLE_NAMES[muscle]
     kind, side = name.rsplit("_", 1)
     title = f"{words.label(kind).capitalize()}, {side}"
     b = math.exp(float(course[-1].mean[-1, 2 * muscle + 1]))
-    return Card(
+    return _Card(
         title=title,
         location=LOCATIONS[kind],
         verdict=now,

@@ -13,7 +13,7 @@ from eval.patient import page
 from eval.patient.courses import MOMENTS
 from eval.patient.treatments import Treatment
 from jawenv.anatomy import PARAMETER_NAMES
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
 

@@ -13,7 +13,7 @@ from eval.kept.entries import Entry
 from eval.patient.belief import KnownPatient, PatientBelief, at_start, combined, is_shared
 from jawenv.analysis.joint_likelihood import JointLikelihood, joint_likelihood
 from jawenv.anatomy import Cohort, Patient, cohort
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import alarm_rings
 from jawenv.playing.recording import Recording

@@ -16,8 +16,8 @@ from eval.comparison.results import Results
 from eval.episodes.film import write_mp4
 from eval.report.learned import Learned
 from jawenv.anatomy import default_mandible
+from jawenv.base.progress import Progress
 from jawenv.ladder import Model, model_of_env
-from jawenv.progress import Progress
 from jawenv.rendering import Scene, palette
 from jawenv.rendering.film import JawRenderer
 

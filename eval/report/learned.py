@@ -17,8 +17,8 @@ from eval.figures import statistics, words
 from eval.figures.statistics import Interval
 from eval.report import marks
 from eval.rows.outcomes import EARLY_S
+from jawenv.base.errors import InputError
 from jawenv.controls import takes_targets
-from jawenv.errors import InputError
 from jawenv.playing.policies.card import card_of
 
 _MIDDLE = (5, 95)

@@ -19,7 +19,7 @@ from eval.figures.tables import printed_table
 from eval.report import first
 from eval.report.learned import Learned
 from eval.rows.outcomes import EARLY_S
-from jawenv.files import write_text
+from jawenv.base.files import write_text
 from jawenv.metrics import TARGETS
 
 _COLOUR = {"calibrated": "green", "overconfident": "red", "cautious": "yellow"}

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from eval.figures import words
 from eval.report import drawing
-from jawenv.files import write_text
+from jawenv.base.files import write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
 TERMS = {

@@ -15,7 +15,7 @@ from eval.kept.entries import Entry
 from eval.rows import filters, nuisances
 from eval.rows.filters import OTHERS, TENSION
 from eval.rows.nuisances import NuisanceBeliefs
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.metrics import claimed_information, covered, nees, true_information
 from jawenv.playing.recording import Recording
 from jawenv.recordings.estimate import Estimate

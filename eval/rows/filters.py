@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.estimate import Estimator
 from jawenv.references.extended_kalman import ExtendedKalman
 from jawenv.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman

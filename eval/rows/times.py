@@ -15,7 +15,7 @@ from eval.kept.cells import Rows
 from eval.kept.entries import Entry
 from eval.rows import outcomes
 from eval.rows.outcomes import outcomes_of
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.metrics import time_to
 from jawenv.playing.recording import Recording
 

@@ -11,8 +11,8 @@ from eval.kept.parts import Run
 from eval.kept.tables import made_with, write_table
 from eval.studies import design, drawing, estimates, tables
 from eval.studies.grid import FACTORS, cells_of
-from jawenv.files import write_text
-from jawenv.locks import alone
+from jawenv.base.files import write_text
+from jawenv.base.locks import alone
 
 OUTPUT = Path("runs/study")
 PATIENTS = "patients.parquet"

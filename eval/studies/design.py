@@ -10,11 +10,11 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from eval.figures.catalogue import FIGURES
 from jawenv.anatomy import cohort
+from jawenv.base.errors import InputError, meant, shown
+from jawenv.base.files import FILE_TYPES, InputModel, Number, read_model
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.configuration import Sensors
-from jawenv.errors import InputError, meant, shown
-from jawenv.files import FILE_TYPES, InputModel, Number, read_model
 from jawenv.ladder import Estimator, env_id_of, title_of_env
 from jawenv.playing.rollout import LARGEST_SEED
 from jawenv.reality import check_reality

@@ -14,7 +14,7 @@ from eval.figures import words
 from eval.report import drawing
 from eval.studies.design import Design
 from eval.studies.grid import FACTORS
-from jawenv.files import atomic_write
+from jawenv.base.files import atomic_write
 
 _COLOURS = ("#3b82c4", "#e08a2c", "#3a9d5d", "#8b6cc6", "#d6336c", "#a5744b", "#2aa5a0", "#7b8794")
 _DASHES = ("-", (0, (5, 2)), (0, (1, 1.5)))

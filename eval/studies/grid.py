@@ -12,8 +12,8 @@ from eval.kept.cells import Cell
 from eval.kept.entries import Entry, load_entry
 from eval.rows.outcomes import Outcomes
 from eval.studies.design import Choice, Design, EnvironmentChoice, Pair
+from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError
 
 PATIENTS_IN_A_PART = 20
 FACTORS = ("environment", "cohort", "control", "sensors", "force_sensor", "reality", "control_hz", "entry")

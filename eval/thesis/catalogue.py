@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from eval.thesis import kalman, kinematics, least_squares, maneuver, rates, two_stage
 from eval.thesis.item import Item
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 ITEMS: dict[str, Item] = {
     item.key: item

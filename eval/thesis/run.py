@@ -20,10 +20,10 @@ from eval.kept.digest import digest
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import rows_in, write_table
 from eval.thesis.item import Item, Judgement
-from jawenv.errors import InputError, shown
-from jawenv.files import write_text
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import write_text
+from jawenv.base.progress import Progress
 from jawenv.playing.rollout import LARGEST_SEED
-from jawenv.progress import Progress
 
 CHUNK = 10
 ENOUGH = 20

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.analysis.path import MotionPath, path_of
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import predict_covariance, update_covariance
 from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import follow_trend
@@ -47,7 +47,7 @@ class Bound:
 
 
 @njit
-def bound_path(path: MotionPath, covariance, every, covariances):
+def _bound_path(path: MotionPath, covariance, every, covariances):
     """Run the recursion over all ticks of a ``MotionPath``; ``covariance`` is the prior's, and is changed.
 
     The parameters' block after ticks 0, ``every``, 2 ``every``, ... goes into ``covariances`` (K, p, p), and that
@@ -89,16 +89,16 @@ def bound_along(record: Record, parameters: Array | None = None, every: int = 1)
     """
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
         raise InputError(f"every is {every!r}; allowed: a whole number of ticks, 1 or more")
-    bound = path_bound(path_of(record, parameters), record, int(every))
+    bound = _path_bound(path_of(record, parameters), record, int(every))
     if not np.isfinite(bound.cov).all():
         raise InputError("record: states, wrenches or samples are not finite, or no jaw's: the bound has no value")
     return bound
 
 
-def path_bound(path: MotionPath, record: Record, every: int) -> Bound:
+def _path_bound(path: MotionPath, record: Record, every: int) -> Bound:
     """As ``bound_along``, along a path that exists already."""
     ticks, parameters = len(path.wrenches), len(record.parameter_names)
     rows = np.unique(np.append(np.arange(0, ticks + 1, every), ticks))
     covariances = np.empty((len(rows), parameters, parameters))
-    bound_path(path, path.covariance.copy(), every, covariances)
+    _bound_path(path, path.covariance.copy(), every, covariances)
     return Bound(time=record.time[rows], cov=covariances, prior_sd=np.array(record.prior.sd))

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jawenv.analysis.bound import bound_along
 from jawenv.analysis.observability import Observability, observability
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]

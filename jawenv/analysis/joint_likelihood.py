@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.base.errors import InputError
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.world.own_anatomy import own_values
-from jawenv.errors import InputError
 from jawenv.filter.belief.posterior import set_omega
 from jawenv.filter.belief.state import shared_columns
 from jawenv.filter.model.basis import N_NODES, expand_coefficients

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.analysis.path import MotionPath, path_of
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import JointScratch
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.model.joint_step import propagate
@@ -56,7 +56,7 @@ class Observability:
 
 
 @njit
-def linearise_path(path: MotionPath, by_state, by_parameter, rows):
+def _linearise_path(path: MotionPath, by_state, by_parameter, rows):
     """Derivatives along a ``MotionPath``: ``by_state`` (T, n, n), ``by_parameter`` (T, n, p), ``rows`` (T + 1, 12, n).
 
     ``rows`` are over the sensors' sds, and zero where nothing was read.
@@ -86,7 +86,7 @@ def derivatives(path: MotionPath) -> tuple[Array, Array, Array]:
     parameters = path.covariance.shape[0] - n_states - 1
     by_state, by_parameter = np.empty((ticks, n_states, n_states)), np.empty((ticks, n_states, parameters))
     rows = np.empty((ticks + 1, N_MEASUREMENTS, n_states))
-    linearise_path(path, by_state, by_parameter, rows)
+    _linearise_path(path, by_state, by_parameter, rows)
     return by_state, by_parameter, rows
 
 
@@ -101,7 +101,7 @@ def reduced(rows: Array) -> Array:
 
 
 @njit
-def rates_at(jaw: Jaw, muscles, state, wrench, trend, moving, rates, scratch: JointScratch):
+def _rates_at(jaw: Jaw, muscles, state, wrench, trend, moving, rates, scratch: JointScratch):
     """Derivative (n, n + p) of the motion's rate by motion and parameters at one moment, into ``rates``.
 
     ``moving`` (n) is a copy of ``state`` to work in. It is what a step of no length leaves in ``scratch.slope``.
@@ -118,7 +118,7 @@ def frozen_rank(path: MotionPath, rows: Array, tick: int, scale: Array) -> int:
     size, n_states = len(scale), path.states.shape[1]
     joint, trend = np.zeros((size, size)), np.zeros(N_WRENCH)
     rates = np.empty((n_states, size))
-    rates_at(
+    _rates_at(
         path.jaw, path.muscles, path.states[tick], path.wrenches[tick], trend, np.empty(n_states), rates, path.scratch
     )
     # In units of the states' prior sds, and of a time in which all powers of A are of one size.
@@ -136,7 +136,7 @@ def frozen_rank(path: MotionPath, rows: Array, tick: int, scale: Array) -> int:
     return numerical_rank(singular_values(np.vstack(blocks)[:, scale > 0.0], int((scale > 0.0).sum())))
 
 
-def step_back(carried: Array, by_state: Array, by_parameter: Array) -> Array:
+def _step_back(carried: Array, by_state: Array, by_parameter: Array) -> Array:
     """Derivative (n, m) of the motion by the joint state at the window's start, one tick later."""
     later = by_state @ carried
     later[:, len(by_state) :] += by_parameter
@@ -167,8 +167,8 @@ def observability(record: Record, parameters: Array | None = None, window_s: flo
         for tick in range(start, start + ticks_each):
             blocks.append(rows[tick] @ carried)
             blocks_from_start.append(rows[tick] @ from_start)
-            carried = step_back(carried, by_state[tick], by_parameter[tick])
-            from_start = step_back(from_start, by_state[tick], by_parameter[tick])
+            carried = _step_back(carried, by_state[tick], by_parameter[tick])
+            from_start = _step_back(from_start, by_state[tick], by_parameter[tick])
         last = rows[start + ticks_each]
         triangle = reduced((np.vstack([*blocks, last @ carried]) * scale)[:, free])
         values.append(singular_values(triangle, int(free.sum())))

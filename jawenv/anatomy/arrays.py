@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 __all__ = ["FrozenArrays"]
 

@@ -12,8 +12,8 @@ from pydantic import Field
 
 from jawenv.anatomy.arrays import FrozenArrays
 from jawenv.anatomy.quantities import Grade, load_quantities, read_data, to_si
-from jawenv.errors import InputError
-from jawenv.files import InputModel, Number, validate
+from jawenv.base.errors import InputError
+from jawenv.base.files import InputModel, Number, validate
 
 __all__ = ["Attachment", "AttachmentRow", "attachment", "attachment_rows"]
 

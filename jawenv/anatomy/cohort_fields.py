@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from jawenv.files import InputModel, Number, Text
+from jawenv.base.files import InputModel, Number, Text
 
 __all__ = ["CohortFields"]
 

@@ -28,9 +28,9 @@ from jawenv.anatomy.muscles import MuscleSet, muscle_set
 from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N, Patient
 from jawenv.anatomy.prior import Prior
 from jawenv.anatomy.stiffness import Stiffness
-from jawenv.checks import whole_number
-from jawenv.errors import InputError, not_among, shown
-from jawenv.files import FILE_TYPES, Source, instance_of, read_into, validate
+from jawenv.base.errors import InputError, not_among, shown
+from jawenv.base.files import FILE_TYPES, Source, instance_of, read_into, validate
+from jawenv.base.numeric_fields import whole_number
 
 __all__ = ["COHORTS", "TRUNCATION_SD", "Cohort", "cohort"]
 

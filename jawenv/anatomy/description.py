@@ -15,9 +15,9 @@ from jawenv.anatomy.attachments import Attachment, attachment
 from jawenv.anatomy.fossa import Fossa, default_fossa
 from jawenv.anatomy.mandible import Mandible, default_mandible
 from jawenv.anatomy.muscles import PORTIONS, SIDES, MuscleSet, muscle_sets
-from jawenv.checks import real_number
-from jawenv.errors import InputError, shown
-from jawenv.files import Source, instance_of, read_into
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import Source, instance_of, read_into
+from jawenv.base.numeric_fields import real_number
 
 __all__ = ["Anatomy", "anatomy_of"]
 

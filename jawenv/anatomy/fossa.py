@@ -9,7 +9,7 @@ import numpy as np
 
 from jawenv.anatomy.arrays import FrozenArrays
 from jawenv.anatomy.quantities import load_quantities
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 __all__ = ["Fossa", "default_fossa"]
 

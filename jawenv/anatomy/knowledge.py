@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from jawenv.errors import not_among
-from jawenv.files import Source, instance_of
-from jawenv.numeric_fields import NumericFields, number
+from jawenv.base.errors import not_among
+from jawenv.base.files import Source, instance_of
+from jawenv.base.numeric_fields import NumericFields, number
 
 
 @dataclass(frozen=True)

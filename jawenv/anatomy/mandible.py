@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy.arrays import FrozenArrays
 from jawenv.anatomy.quantities import load_quantities
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 __all__ = ["Mandible", "default_mandible"]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy.arrays import FrozenArrays
 from jawenv.anatomy.attachments import Attachment, attachment
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 __all__ = [
     "MUSCLE_NAMES",

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from jawenv.anatomy.muscles import MUSCLE_NAMES, known_muscle_sets, parameter_names
-from jawenv.errors import InputError, shown
-from jawenv.files import InputModel, Number, Text, read_model, validate, write_json
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import InputModel, Number, Text, read_model, validate, write_json
 
 __all__ = ["LARGEST_F_O_N", "LARGEST_B", "Patient"]
 

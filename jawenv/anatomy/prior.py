@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.arrays import FrozenArrays
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 __all__ = ["Prior"]
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from jawenv.files import InputModel, Number, read_mapping, validate
+from jawenv.base.files import InputModel, Number, read_mapping, validate
 
 __all__ = ["Grade", "Quantity", "Unit", "load_quantities", "read_data", "to_si"]
 

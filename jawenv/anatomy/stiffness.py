@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from jawenv.checks import real_number
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import real_number
 
 
 @dataclass(frozen=True)

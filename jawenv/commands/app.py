@@ -7,9 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
+from jawenv.base.seeds import REPORTS
 from jawenv.commands import options
 from jawenv.commands.running import command_line, run
-from jawenv.seeds import REPORTS
 
 app = command_line("Drive a simulated jaw, play and score maneuvers, identify muscles from a recording.")
 
@@ -60,7 +60,7 @@ def play_command(maneuver: options.Maneuver, world: dict[str, Any], seed: option
 
 @app.command("score")
 @options.takes_world()
-def score_command(
+def _score_command(
     maneuver: options.Maneuver,
     world: dict[str, Any],
     patients: Annotated[int, typer.Option(help="How many.", metavar="N")] = 16,
@@ -73,7 +73,7 @@ def score_command(
 
 
 @app.command("identify")
-def identify_command(
+def _identify_command(
     recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A .csv or .parquet file.")],
     cohort: Annotated[
         str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
@@ -107,7 +107,7 @@ def identify_command(
 
 
 @app.command("import")
-def import_command(
+def _import_command(
     file: Annotated[
         Path,
         typer.Argument(metavar="FILE", help="Tracker's .c3d, .trc, .mot, .sto, .h5 or _motion.tsv, or a recording."),
@@ -149,7 +149,7 @@ def import_command(
 
 
 @app.command("list")
-def list_command(
+def _list_command(
     what: Annotated[
         str | None, typer.Argument(metavar="[maneuvers|agents|cohorts|models]", help="What to list; all by default.")
     ] = None,

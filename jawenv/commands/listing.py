@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from jawenv.errors import not_among
+from jawenv.base.errors import not_among
 from jawenv.ladder import title_of_env
 
 if TYPE_CHECKING:

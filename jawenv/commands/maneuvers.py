@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from jawenv.base.errors import not_among
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import not_among
 from jawenv.metrics import score
 from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers.maneuver import SUFFIXES

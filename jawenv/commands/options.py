@@ -10,8 +10,8 @@ from typing import Annotated, Any
 
 import typer
 
-from jawenv.errors import InputError, shown
-from jawenv.files import FILE_TYPES
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import FILE_TYPES
 
 Maneuver = Annotated[
     str, typer.Argument(metavar="AGENT|FILE", help="A name of `jawenv list agents`, or a maneuver file.")

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from jawenv.anatomy import MUSCLE_NAMES
-from jawenv.errors import InputError, MissingPackageError
-from jawenv.files import check_kept
+from jawenv.base.errors import InputError, MissingPackageError
+from jawenv.base.files import check_kept
 from jawenv.metrics.verdicts import NO_VERDICT, OPEN, WITHHELD, Verdict, verdicts
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import Identification, identified

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
-from jawenv.errors import InputError, out_of_memory
+from jawenv.base.errors import InputError, out_of_memory
 
 _NO_NUMBER = re.compile(r"Input should be a valid (integer|number), unable to parse string as an? \1")
 """Typer's message about a word in place of a number."""

@@ -87,7 +87,7 @@ def limits_dtype(n_lines: int) -> np.dtype[np.void]:
 
 
 @njit_inlined
-def path_at(limits: Limits, opening):
+def _path_at(limits: Limits, opening):
     """Forward place of the mouthpiece (m) on the natural path, ``opening`` (m) above the rest opening."""
     s = opening / limits.opening
     return limits.path[0] + limits.path[1] * s + limits.path[2] * s * s
@@ -97,7 +97,7 @@ def path_at(limits: Limits, opening):
 def excursions(limits: Limits, jaw: Jaw, point):
     """Opening above rest, side (+ left) and fore-aft excursion from the natural path (m) of the mouthpiece."""
     opening = jaw.mouthpiece[2] - point[2] - limits.rest_opening
-    return opening, point[1] - limits.rest_side, point[0] - path_at(limits, opening)
+    return opening, point[1] - limits.rest_side, point[0] - _path_at(limits, opening)
 
 
 @njit

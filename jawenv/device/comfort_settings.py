@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.base.errors import InputError
+from jawenv.base.files import instance_of
+from jawenv.base.numeric_fields import NumericFields, number
 from jawenv.device.comfort import COMFORT, COMFORT_LIMITS
-from jawenv.errors import InputError
-from jawenv.files import instance_of
 from jawenv.kernels.records import record_zeros
-from jawenv.numeric_fields import NumericFields, number
 
 __all__ = ["COMFORT", "Comfort", "comfort_of"]
 

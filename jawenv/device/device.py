@@ -13,9 +13,9 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.files import instance_of
+from jawenv.base.files import instance_of
+from jawenv.base.numeric_fields import NumericFields, number
 from jawenv.kernels.records import Array, record_dtype, record_zeros
-from jawenv.numeric_fields import NumericFields, number
 
 N_MOTORS = 4
 MOTOR_NAMES = ("vertical_left", "vertical_right", "horizontal_left", "horizontal_right")

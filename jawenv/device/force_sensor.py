@@ -178,7 +178,7 @@ def error_wrench(linkage: DeviceRecord | Linkage, errors, motors, body_to_head):
 
 
 @njit
-def read_one(errors, i, force, share, rate):
+def _read_one(errors, i, force, share, rate):
     """The reading of motor i's sensor under ``force``."""
     return (force + errors[i, 1] * share + errors[i, 2] * rate) / (1.0 + errors[i, 0])
 
@@ -187,10 +187,10 @@ def read_one(errors, i, force, share, rate):
 def read_forces(errors, forces, shares, rates):
     """The readings of the four sensors under the motors' ``forces``."""
     return (
-        read_one(errors, 0, forces[0], shares[0], rates[0]),
-        read_one(errors, 1, forces[1], shares[1], rates[1]),
-        read_one(errors, 2, forces[2], shares[2], rates[2]),
-        read_one(errors, 3, forces[3], shares[3], rates[3]),
+        _read_one(errors, 0, forces[0], shares[0], rates[0]),
+        _read_one(errors, 1, forces[1], shares[1], rates[1]),
+        _read_one(errors, 2, forces[2], shares[2], rates[2]),
+        _read_one(errors, 3, forces[3], shares[3], rates[3]),
     )
 
 

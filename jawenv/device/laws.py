@@ -64,13 +64,13 @@ class Wanted(NamedTuple):
 
 
 @njit
-def arms_mm(device: DeviceRecord):
+def _arms_mm(device: DeviceRecord):
     """How far the vertical and the horizontal motors push from the midline, mm."""
     return 1e3 * abs(device.point[0, 1]), 1e3 * abs(device.point[2, 1])
 
 
 @njit
-def height_over_lever(pitch):
+def _height_over_lever(pitch):
     """How far the mouthpiece is below the condyles, over how far it is before them."""
     below = _MOUTHPIECE_X * sin(pitch) - _MOUTHPIECE_Z * cos(pitch)
     return below / (_MOUTHPIECE_X * cos(pitch) + _MOUTHPIECE_Z * sin(pitch))
@@ -83,7 +83,7 @@ def within(value, largest):
 
 
 @njit
-def set_motors(action, down, forward, roll, yaw, full):
+def _set_motors(action, down, forward, roll, yaw, full):
     """Four motors from common downward and forward parts and what right has more than left, over ``full``."""
     action[0], action[1] = within((down - roll) / full, 1.0), within((down + roll) / full, 1.0)
     action[2], action[3] = within((forward - yaw) / full, 1.0), within((forward + yaw) / full, 1.0)
@@ -92,13 +92,13 @@ def set_motors(action, down, forward, roll, yaw, full):
 @njit
 def servo_rates(device: DeviceRecord, targets: Wanted, felt: Felt, action):
     """Rates of the motors' targets, as shares of the largest, into ``action`` (4)."""
-    vertical_arm, horizontal_arm = arms_mm(device)
+    vertical_arm, horizontal_arm = _arms_mm(device)
     down = within(targets.opening_rate + CORRECTION * (targets.opening - felt.opening), FASTEST)
     side = within(targets.side_rate + CORRECTION * (targets.side - felt.side), FASTEST)
     roll = vertical_arm * (targets.roll_rate + CORRECTION * (targets.roll - felt.roll))
-    forward = ADMITTANCE * (targets.forward - felt.forward) - height_over_lever(felt.pitch) * down
+    forward = ADMITTANCE * (targets.forward - felt.forward) - _height_over_lever(felt.pitch) * down
     yaw = side * horizontal_arm / SIDE_LEVER
-    set_motors(action, down, within(forward, FASTEST), roll, yaw, 1e3 * device.max_rate)
+    _set_motors(action, down, within(forward, FASTEST), roll, yaw, 1e3 * device.max_rate)
 
 
 @njit
@@ -117,8 +117,8 @@ def thrusts(device: DeviceRecord, targets: Wanted, felt: Felt, holds_roll, integ
         integral[k] = within(grown, LARGEST_INTEGRAL[k])
         value = stiffness * position[k] + integral[k]
         push = (value if k == 0 else push[0], value if k == 1 else push[1], value if k == 2 else push[2])
-    down = push[0] + targets.forward * height_over_lever(felt.pitch)
-    vertical_arm, horizontal_arm = arms_mm(device)
+    down = push[0] + targets.forward * _height_over_lever(felt.pitch)
+    vertical_arm, horizontal_arm = _arms_mm(device)
     yaw = 1e3 * push[1] / (2.0 * horizontal_arm)
     roll = 1e3 * push[2] / (2.0 * vertical_arm) if holds_roll else 0.0
-    set_motors(action, down / 2.0, targets.forward / 2.0, roll, yaw, device.full_scale)
+    _set_motors(action, down / 2.0, targets.forward / 2.0, roll, yaw, device.full_scale)

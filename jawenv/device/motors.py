@@ -128,8 +128,8 @@ def device_wrench(device: DeviceRecord, jaw: Jaw, limits: Limits, motors: Motors
         motors.thrust[all_motors] = thrust
     pushes = scale(thrust, axis)
     force, moment = totals(pushes), totals(cross(arm, pushes))
-    stops = end_stops(device, jaw, limits, point, velocity)
-    slide = condyle_stop(device, limits, q, u)
+    stops = _end_stops(device, jaw, limits, point, velocity)
+    slide = _condyle_stop(device, limits, q, u)
     pressed = norm(stops) + norm(slide)
     acted = STOPPED if pressed > 0.0 else IDLE
     speed, brake_onset = norm(velocity), limits.speed * limits.onset[SPEED]
@@ -152,31 +152,31 @@ def device_wrench(device: DeviceRecord, jaw: Jaw, limits: Limits, motors: Motors
 
 
 @njit_inlined
-def end_stop(device: DeviceRecord, travel, limit, rate):
+def _end_stop(device: DeviceRecord, travel, limit, rate):
     """Push back of a one-sided stop at ``limit`` (0 or less inside)."""
     ramp, steepness = smooth_ramp(travel - limit, STOP_ONSET_WIDTH)
     return max(0.0, device.stop_stiffness * ramp + device.stop_damping * steepness * rate)
 
 
 @njit_inlined
-def end_stops(device: DeviceRecord, jaw: Jaw, limits: Limits, point, velocity):
+def _end_stops(device: DeviceRecord, jaw: Jaw, limits: Limits, point, velocity):
     """Force of the mouthpiece's stops (head axes); zero inside their travel."""
     opening, side, fore_aft = excursions(limits, jaw, point)
     side_limit = limits.side * limits.onset[SIDE]
     forward_limit = limits.fore_aft * limits.onset[FORE_AFT]
-    up = end_stop(device, opening, limits.opening * limits.onset[OPENING], -velocity[2])
-    left = end_stop(device, -side, side_limit, -velocity[1]) - end_stop(device, side, side_limit, velocity[1])
-    forward = end_stop(device, -fore_aft, forward_limit, -velocity[0])
-    forward -= end_stop(device, fore_aft, forward_limit, velocity[0])
+    up = _end_stop(device, opening, limits.opening * limits.onset[OPENING], -velocity[2])
+    left = _end_stop(device, -side, side_limit, -velocity[1]) - _end_stop(device, side, side_limit, velocity[1])
+    forward = _end_stop(device, -fore_aft, forward_limit, -velocity[0])
+    forward -= _end_stop(device, fore_aft, forward_limit, velocity[0])
     return (forward, left, up)
 
 
 @njit_inlined
-def condyle_stop(device: DeviceRecord, limits: Limits, q, u):
+def _condyle_stop(device: DeviceRecord, limits: Limits, q, u):
     """Force of the slide's stops on the condyles (head axes); zero inside their travel."""
     x, y = q[0] - limits.condyle_middle, q[1] - limits.rest_condyle_side
     forward_limit = limits.condyle_half * limits.onset[CONDYLE_FORE_AFT]
     side_limit = limits.condyle_side * limits.onset[CONDYLE_SIDE]
-    forward = end_stop(device, -x, forward_limit, -u[0]) - end_stop(device, x, forward_limit, u[0])
-    left = end_stop(device, -y, side_limit, -u[1]) - end_stop(device, y, side_limit, u[1])
+    forward = _end_stop(device, -x, forward_limit, -u[0]) - _end_stop(device, x, forward_limit, u[0])
+    left = _end_stop(device, -y, side_limit, -u[1]) - _end_stop(device, y, side_limit, u[1])
     return (forward, left, 0.0)

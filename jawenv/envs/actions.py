@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
-from jawenv.errors import InputError, shown
 
 SLACK = 1e-6  # single-precision policies overshoot their bounds by rounding
 

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from jawenv.checks import real_number
+from jawenv.base.errors import InputError, not_among, shown
+from jawenv.base.numeric_fields import real_number
 from jawenv.controls import ControlMode
 from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.tracking import LAW_TICKS
-from jawenv.errors import InputError, not_among, shown
 
 LARGEST = 1e6  # of the numeric arguments
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import not_among
+from jawenv.base.errors import not_among
 from jawenv.kernels.noise import philox
 
 RANDOM = "random"

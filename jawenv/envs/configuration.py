@@ -10,6 +10,10 @@ from typing import Any, Literal, cast, get_args
 
 from jawenv.anatomy import COHORTS, Anatomy, Cohort, MuscleSet, anatomy_of, cohort
 from jawenv.anatomy.knowledge import Knowledge, knowledge
+from jawenv.base.errors import InputError, UnknownArgumentError, meant, shown
+from jawenv.base.files import Source
+from jawenv.base.named_objects import is_named
+from jawenv.base.numeric_fields import NumericFields
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
 from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import Device, device_of
@@ -19,12 +23,8 @@ from jawenv.envs.asked import checked_asked
 from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
 from jawenv.envs.registration import IMAGED
 from jawenv.envs.world.plants import TICK
-from jawenv.errors import InputError, UnknownArgumentError, meant, shown
-from jawenv.files import Source
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, model_named, model_of_env
 from jawenv.mechanics.plant import Plant, plant_of
-from jawenv.named_objects import is_named
-from jawenv.numeric_fields import NumericFields
 from jawenv.reality import Reality, check_reality
 
 Sensors = Literal["pose", "point"]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.base.errors import InputError
 from jawenv.envs.world.plants import take_body
-from jawenv.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 

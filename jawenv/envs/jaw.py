@@ -11,6 +11,7 @@ from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
+from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_action
 from jawenv.envs.configuration import configure, described
@@ -27,7 +28,6 @@ from jawenv.envs.rewards import potential
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.snapshots import Snapshot, restore_snapshot, take_snapshot
-from jawenv.errors import InputError, shown
 
 Observation = NDArray[np.float32]
 Action = NDArray[np.float32]

@@ -11,7 +11,8 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from jawenv.checks import real_number
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import real_number
 from jawenv.envs.world.plant_kernel import (
     plant_begin,
     plant_clear,
@@ -22,7 +23,6 @@ from jawenv.envs.world.plant_kernel import (
 )
 from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.step_kernel import Shared, StepRows
-from jawenv.errors import InputError, shown
 from jawenv.mechanics.kinematics import contact_point
 from jawenv.mechanics.plant import BodyMotion, PatientJaw, Six, body_motion, checked_motion, motion_at_mouthpiece
 

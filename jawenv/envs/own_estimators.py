@@ -15,7 +15,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
 
 Array = NDArray[np.float64]
 ASYMMETRY = 1e-6  # of a covariance that rounding explains, relative to its largest entry

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient
-from jawenv.checks import whole_number
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import instance_of
+from jawenv.base.numeric_fields import whole_number
 from jawenv.envs.asked import checked_asked
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError, shown
-from jawenv.files import instance_of
 
 __all__ = [
     "checked_keys",

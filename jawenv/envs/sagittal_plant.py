@@ -31,9 +31,9 @@ class SagittalPlant:
         mouthpiece, step = self._jaw.jaw["mouthpiece"], self._jaw.step
 
         def wrench_at(place: Plane, velocity: Plane, theta: float, rate: float, since: float) -> Any:
-            x, z, x_rate, z_rate = condyle_motion(mouthpiece, place, velocity, theta, rate)
+            x, z, x_rate, z_rate = _condyle_motion(mouthpiece, place, velocity, theta, rate)
             return in_plane(
-                wrench_on(in_space(x, z, theta, x_rate, z_rate, rate), since, since - 0.5 * step, step), theta
+                wrench_on(_in_space(x, z, theta, x_rate, z_rate, rate), since, since - 0.5 * step, step), theta
             )
 
         self._jaw.advance(duration, wrench_at)
@@ -48,16 +48,16 @@ class SagittalPlant:
         self._jaw.muscles[:] = muscles
 
     def _motion(self) -> BodyMotion:
-        return in_space(*self._jaw.state.tolist())
+        return _in_space(*self._jaw.state.tolist())
 
 
-def in_space(x: float, z: float, theta: float, x_rate: float, z_rate: float, theta_rate: float) -> BodyMotion:
+def _in_space(x: float, z: float, theta: float, x_rate: float, z_rate: float, theta_rate: float) -> BodyMotion:
     """A motion in the sagittal plane as that of a free mandible."""
     return (x, 0.0, z, theta, 0.0, 0.0), (x_rate, 0.0, z_rate, 0.0, theta_rate, 0.0)
 
 
 @njit
-def condyle_motion(mouthpiece: Any, place: Any, velocity: Any, theta: Any, theta_rate: Any) -> Any:
+def _condyle_motion(mouthpiece: Any, place: Any, velocity: Any, theta: Any, theta_rate: Any) -> Any:
     """Place and velocity in the plane of the condyle's centre, of a mouthpiece's."""
     arm_x, arm_z = turned(mouthpiece, theta)
     x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient
+from jawenv.base.errors import InputError
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import (
     device_with_sensor,
@@ -31,7 +32,6 @@ from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
 from jawenv.envs.world.unknown_truth import Streams, draw_truth
-from jawenv.errors import InputError
 from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
 from jawenv.filter.model.initial_motion import start_sd
 from jawenv.filter.nuisances.directions import directions

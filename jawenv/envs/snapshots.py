@@ -8,8 +8,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from jawenv.base.errors import InputError
 from jawenv.envs.simulation import Simulation
-from jawenv.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)

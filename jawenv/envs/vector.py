@@ -13,6 +13,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient, Prior
+from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_actions
 from jawenv.envs.configuration import configure
@@ -33,7 +34,6 @@ from jawenv.envs.simulation import Simulation
 from jawenv.envs.snapshots import Snapshot, restore_snapshot, take_snapshot
 from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps, enough_memory
 from jawenv.envs.world_attributes import attribute_of_worlds, set_attribute_of_worlds
-from jawenv.errors import InputError, shown
 
 Batch = tuple[NDArray[np.float32], dict[str, Any]]
 StepBatch = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 from gymnasium.vector import AutoresetMode
 
-from jawenv.checks import whole_number
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import whole_number
 
 __all__ = ["checked_autoreset_mode", "checked_num_envs", "checked_steps", "enough_memory"]
 

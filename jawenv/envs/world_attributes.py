@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.errors import InputError, UnknownAttributeError, shown
+from jawenv.base.errors import InputError, UnknownAttributeError, shown
 
 __all__ = ["SETTABLE", "attribute_of_worlds", "set_attribute_of_worlds"]
 

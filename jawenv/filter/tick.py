@@ -135,7 +135,7 @@ def _known_jaw(jaw: Jaw, belief: Belief):
 
 
 @where(has_nuisances, otherwise=_known_jaw)
-def model_of(jaw: Jaw, belief: Belief):
+def _model_of(jaw: Jaw, belief: Belief):
     """The jaw for the filter: the nominal one, or with nuisances the one at their mean."""
     return belief.jaw
 
@@ -146,7 +146,7 @@ def take_readings(jaw: Jaw, belief: Belief, measured, samples, tick, settings: F
 
     Tick 0 is the start, at which the encoders alone are read. Returns how many readings were left out.
     """
-    return take(model_of(jaw, belief), belief, measured, samples, tick, settings, scratch)
+    return take(_model_of(jaw, belief), belief, measured, samples, tick, settings, scratch)
 
 
 @njit

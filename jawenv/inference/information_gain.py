@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal, multivariate_t
 
-from jawenv.checks import whole_number
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import whole_number
 from jawenv.inference.likelihood import log_likelihood
 from jawenv.inference.patient_law import PatientLaw
 from jawenv.inference.settings import Array

@@ -13,7 +13,7 @@ from scipy.special import logsumexp, ndtr
 from jawenv.anatomy import Cohort
 from jawenv.anatomy import cohort as cohort_of
 from jawenv.anatomy.cohorts import TRUNCATION_SD
-from jawenv.files import Source
+from jawenv.base.files import Source
 from jawenv.inference.settings import DEFAULT_ENV, Array, configuration_of, log_parameters
 from jawenv.inference.treatable import treatable
 

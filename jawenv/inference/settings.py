@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import Patient
+from jawenv.base.errors import InputError, shown
 from jawenv.envs.configuration import Configuration, configure
-from jawenv.errors import InputError, shown
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import Patient
+from jawenv.base.errors import InputError
 from jawenv.envs.simulation import Simulation
-from jawenv.errors import InputError
 from jawenv.inference.settings import DEFAULT_ENV, Mask, configuration_of, log_parameters, patient_of
 
 

@@ -33,8 +33,8 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from platformdirs import user_cache_dir
 
-from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write
 from jawenv.kernels.linked import reading_linked
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
@@ -210,7 +210,7 @@ class KernelCache:
         content = _checked_content(path) or self._shipped(sig, processor)
         if content is None:
             _make_writable(path.parent)
-            say_compiling()
+            _say_compiling()
             return None
         reading = reading_linked(target_context) if self._linked else nullcontext()
         with reading:
@@ -293,6 +293,6 @@ def one_process(folder: Path, what: str) -> Iterator[None]:
 
 
 @cache
-def say_compiling() -> None:
+def _say_compiling() -> None:
     """Say on stderr, once in a process, that kernels are being compiled."""
     print("jawenv: compiling for this machine, once (about a minute for a model) ...", file=sys.stderr, flush=True)

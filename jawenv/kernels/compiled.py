@@ -16,7 +16,7 @@ import numba.extending
 import numpy as np
 from numba.np.ufunc import parallel
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.kernels.cache import MADE_OF, OPTIONS, KernelCache, kernel_folder, one_process, prune_cache
 from jawenv.kernels.linked import LinkedCompiler
 from jawenv.kernels.quick import KNOWN, quickly

@@ -24,7 +24,7 @@ _ROUNDS = 10
 
 
 @njit
-def multiply_high(a, b):
+def _multiply_high(a, b):
     """Upper 64 bits of the 128-bit product of two unsigned 64-bit integers."""
     a_low, a_high = a & _LOW, a >> _HALF
     b_low, b_high = b & _LOW, b >> _HALF
@@ -40,9 +40,9 @@ def philox(key, counter):
     c0, c1, c2, c3 = counter
     for _ in range(_ROUNDS):
         c0, c1, c2, c3 = (
-            multiply_high(_M1, c2) ^ c1 ^ k0,
+            _multiply_high(_M1, c2) ^ c1 ^ k0,
             _M1 * c2,
-            multiply_high(_M0, c0) ^ c3 ^ k1,
+            _multiply_high(_M0, c0) ^ c3 ^ k1,
             _M0 * c0,
         )
         k0 += _W0
@@ -51,7 +51,7 @@ def philox(key, counter):
 
 
 @njit
-def normal_pair(a, b):
+def _normal_pair(a, b):
     """Two independent standard normals from two random 64-bit integers."""
     radius = sqrt(-2.0 * log((float(a >> _TO_MANTISSA) + 0.5) * _UNIT))
     angle = 2.0 * pi * float(b >> _TO_MANTISSA) * _UNIT
@@ -64,5 +64,5 @@ def fill_normals(key, tick, normals):
     zero = np.uint64(0)
     for block in range(normals.shape[0] // 4):
         a, b, c, d = philox(key, (np.uint64(tick), np.uint64(block), zero, zero))
-        normals[4 * block], normals[4 * block + 1] = normal_pair(a, b)
-        normals[4 * block + 2], normals[4 * block + 3] = normal_pair(c, d)
+        normals[4 * block], normals[4 * block + 1] = _normal_pair(a, b)
+        normals[4 * block + 2], normals[4 * block + 3] = _normal_pair(c, d)

@@ -15,7 +15,7 @@ from websockets.asyncio import server as websockets_server
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.live.look import NOTICE_HTML, TITLE
 
 _LARGEST_MESSAGE = 2**14  # bytes; those of a browser are below 500

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from jawenv.base.errors import InputError
+from jawenv.base.files import write_text
 from jawenv.device.channels import CHANNELS
-from jawenv.errors import InputError
-from jawenv.files import write_text
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import Channels

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jawenv.base.errors import InputError
 from jawenv.controls import takes_targets
-from jawenv.errors import InputError
 from jawenv.live.setup import Setup
 from jawenv.metrics import score
 from jawenv.playing.agents import Agent

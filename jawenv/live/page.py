@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from jawenv.base.errors import InputError
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
-from jawenv.errors import InputError
 from jawenv.live import panels
 from jawenv.live.choices import Choices
 from jawenv.live.keys import Keys, keys_html, moved

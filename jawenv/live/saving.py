@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.live.session import DriveSession
 
 MOST_DRIVES = 200

@@ -54,7 +54,7 @@ def score_png(title: str, answer: Sequence[AnsweredMuscle], outcomes: Sequence[D
 
 
 def _drawn(heading: str, title: str, rows: Sequence[Sequence[str]]) -> bytes:
-    from jawenv.extras import needs
+    from jawenv.base.extras import needs
 
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     with needs("a picture of the score", "pygame", "live"):

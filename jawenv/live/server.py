@@ -8,9 +8,9 @@ import socket
 from collections.abc import Iterator
 from typing import Any
 
-from jawenv.checks import whole_number
-from jawenv.errors import InputError, shown
-from jawenv.extras import needs
+from jawenv.base.errors import InputError, shown
+from jawenv.base.extras import needs
+from jawenv.base.numeric_fields import whole_number
 from jawenv.live.look import TITLE
 
 HOST = "127.0.0.1"

@@ -11,11 +11,11 @@ import gymnasium as gym
 import numpy as np
 
 import jawenv.envs.registration  # noqa: F401  (the ids)
+from jawenv.base.errors import InputError, not_among
 from jawenv.controls import takes_targets
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.shown_world import build_scene
-from jawenv.errors import InputError, not_among
 from jawenv.live.deciding import Deciding
 from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
 from jawenv.live.outcome import KNOWN, DriveOutcome

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from jawenv.checks import whole_number
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import whole_number
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError, shown
 from jawenv.playing.rollout import LARGEST_SEED
 
 CONTROL_HZ = 20.0  # in every mode, so that a hand feels no delay

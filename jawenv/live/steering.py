@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from jawenv.base.errors import InputError, shown
 from jawenv.controls import Control
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
-from jawenv.errors import InputError, shown
 from jawenv.live.deciding import Deciding
 from jawenv.playing.agents import Action, Array, Mask, Memory, Observation
 from jawenv.playing.maneuvers import Maneuver, Player

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.mechanics.dynamics import acceleration_kernel
 
 

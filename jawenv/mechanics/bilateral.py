@@ -85,7 +85,7 @@ def point_motion(q, u, body_to_head, arm):
 
 
 @njit
-def disc_pressure(jaw: Jaw, point, velocity):
+def _disc_pressure(jaw: Jaw, point, velocity):
     """Compression N (N, never negative, 0 while lifted) of the disc over a condyle, and grad(depth), head axes."""
     height, slope, curvature, _ = fossa(jaw, point[0])
     above = point[2] - height
@@ -99,7 +99,7 @@ def disc_pressure(jaw: Jaw, point, velocity):
 @njit
 def condyle_force(jaw: Jaw, point, velocity):
     """Force (N, head axes) on one condyle whose centre is at ``point``: disc, half the capsule, half the sliding."""
-    pressure, gradient = disc_pressure(jaw, point, velocity)
+    pressure, gradient = _disc_pressure(jaw, point, velocity)
     capsule, _ = capsule_force(jaw, point[0])
     force = add(scale(-pressure, gradient), scale(-0.5 * jaw.damping_sliding, velocity))
     return add(force, (0.5 * capsule, 0.0, 0.0))
@@ -111,7 +111,7 @@ def condyle_pressures(jaw: Jaw, q, u):
     body_to_head = rotation(midline_pose(q))
     left, left_velocity = point_motion(q, u, body_to_head, (0.0, jaw.condyle_half_width, 0.0))
     right, right_velocity = point_motion(q, u, body_to_head, (0.0, -jaw.condyle_half_width, 0.0))
-    return disc_pressure(jaw, left, left_velocity)[0], disc_pressure(jaw, right, right_velocity)[0]
+    return _disc_pressure(jaw, left, left_velocity)[0], _disc_pressure(jaw, right, right_velocity)[0]
 
 
 @njit
@@ -159,7 +159,7 @@ def put_on_fossa(jaw: Jaw, pose, state):
 
 
 @njit
-def largest_of(six, linear, angular):
+def _largest_of(six, linear, angular):
     """Largest magnitude of three linear numbers over ``linear`` and three angular ones over ``angular``."""
     a = max(abs(six[0]), max(abs(six[1]), abs(six[2])))
     b = max(abs(six[3]), max(abs(six[4]), abs(six[5])))
@@ -206,7 +206,7 @@ def settle_bilateral(jaw: Jaw, muscles, wrench, state, matrix, right):
     q, still = split_body(state)
     rate = body_acceleration(jaw, muscles, q, still, wrench)
     for _ in range(MAX_STEPS):
-        residual = largest_of(rate, 1.0, 1.0)
+        residual = _largest_of(rate, 1.0, 1.0)
         if residual < TOLERANCE:
             return True
         fill_flow_matrix(jaw, muscles, q, wrench, step, matrix)
@@ -214,9 +214,9 @@ def settle_bilateral(jaw: Jaw, muscles, wrench, state, matrix, right):
             right[i] = rate[i]
         solve_in_place(matrix, right)
         change = (right[0], right[1], right[2], right[3], right[4], right[5])
-        ahead = plus(q, 1.0 / max(1.0, largest_of(change, LONGEST_SHIFT, LONGEST_TURN)), change)
+        ahead = plus(q, 1.0 / max(1.0, _largest_of(change, LONGEST_SHIFT, LONGEST_TURN)), change)
         rate_ahead = body_acceleration(jaw, muscles, ahead, still, wrench)
-        growth = largest_of(rate_ahead, 1.0, 1.0) / residual
+        growth = _largest_of(rate_ahead, 1.0, 1.0) / residual
         if growth > 2.0:
             step *= 0.25
             continue

@@ -21,7 +21,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @njit
-def disc_derivative(jaw: Jaw, point, velocity):
+def _disc_derivative(jaw: Jaw, point, velocity):
     """Force of a disc (head axes), and its derivatives by place and velocity as (xx, xz, zx, zz) each."""
     height, slope, curvature, third = fossa(jaw, point[0])
     above = point[2] - height
@@ -56,9 +56,9 @@ def disc_derivative(jaw: Jaw, point, velocity):
 
 
 @njit
-def condyle_derivative(jaw: Jaw, point, velocity):
+def _condyle_derivative(jaw: Jaw, point, velocity):
     """Force on one condyle (as ``bilateral.condyle_force``) and its derivatives by place and velocity, 3 x 3."""
-    disc, by_place, by_velocity = disc_derivative(jaw, point, velocity)
+    disc, by_place, by_velocity = _disc_derivative(jaw, point, velocity)
     capsule, capsule_slope = capsule_force(jaw, point[0])
     half = 0.5 * jaw.damping_sliding
     force = add(add(disc, scale(-half, velocity)), (0.5 * capsule, 0.0, 0.0))
@@ -76,7 +76,7 @@ def condyle_derivative(jaw: Jaw, point, velocity):
 
 
 @njit
-def condyle_change(arm, spin, force, stiffness, damping, spin_change, change):
+def _condyle_change(arm, spin, force, stiffness, damping, spin_change, change):
     """Change of a condyle's force and of its moment about the midpoint, for a change (dr, dphi, dv) of the body.
 
     ``arm`` and ``spin`` (omega x arm) are in head axes, ``spin_change`` is its change with omega alone.
@@ -103,8 +103,8 @@ def linearise_body(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     left_arm, right_arm = apply(body_to_head, left), apply(body_to_head, right)
     left_place, left_velocity = point_motion(q, u, body_to_head, left)
     right_place, right_velocity = point_motion(q, u, body_to_head, right)
-    left_force, left_k, left_c = condyle_derivative(jaw, left_place, left_velocity)
-    right_force, right_k, right_c = condyle_derivative(jaw, right_place, right_velocity)
+    left_force, left_k, left_c = _condyle_derivative(jaw, left_place, left_velocity)
+    right_force, right_k, right_c = _condyle_derivative(jaw, right_place, right_velocity)
     force = add(force, add(left_force, right_force))
     moment = add(moment, add(cross(left_arm, left_force), cross(right_arm, right_force)))
     pull = (wrench[0], wrench[1], wrench[2])
@@ -132,8 +132,8 @@ def linearise_body(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
         change = (d_r, d_phi, d_v)
         left_spin_change = apply(body_to_head, cross(d_omega, left))
         right_spin_change = apply(body_to_head, cross(d_omega, right))
-        l_f, l_m = condyle_change(left_arm, left_spin, left_force, left_k, left_c, left_spin_change, change)
-        r_f, r_m = condyle_change(right_arm, right_spin, right_force, right_k, right_c, right_spin_change, change)
+        l_f, l_m = _condyle_change(left_arm, left_spin, left_force, left_k, left_c, left_spin_change, change)
+        r_f, r_m = _condyle_change(right_arm, right_spin, right_force, right_k, right_c, right_spin_change, change)
         d_force = add(add(apply(k, d_r), apply_transposed(ell, d_phi)), add(l_f, r_f))
         d_moment = add(add(apply(ell, d_r), apply(n, d_phi)), add(l_m, r_m))
         d_force = apply_transposed(body_to_head, subtract(d_force, cross(d_phi, force)))
@@ -141,14 +141,14 @@ def linearise_body(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
         d_turn = subtract(d_turn, add(cross(d_omega, momentum), cross(omega, inertia_times(jaw, d_omega))))
         d_turn = subtract(d_turn, scale(jaw.damping_rotation, d_omega))
         d_swing = add(cross(d_omega, cross(omega, rho)), cross(omega, cross(d_omega, rho)))
-        column = solve_body(body, d_force, d_turn, d_swing, cross(d_phi, shift))
+        column = _solve_body(body, d_force, d_turn, d_swing, cross(d_phi, shift))
         set_column(linear.by_state, j, column)
-    fill_body_inputs(jaw, muscles, body, linear.pulls, linear.by_input)
+    _fill_body_inputs(jaw, muscles, body, linear.pulls, linear.by_input)
     return (shift[0], shift[1], shift[2], spin[0], spin[1], spin[2])
 
 
 @njit
-def solve_body(body, d_force, d_turn, d_swing, d_shift):
+def _solve_body(body, d_force, d_turn, d_swing, d_shift):
     """Change of u' (six numbers) where force (body axes), moment about the midpoint, swing and shift change by so much.
 
     ``body`` is (mass, centre of mass, body to head axes, inverse of the inertia about the centre of mass).
@@ -161,7 +161,7 @@ def solve_body(body, d_force, d_turn, d_swing, d_shift):
 
 
 @njit_within
-def fill_body_inputs(jaw: Jaw, muscles, body, pulls, by_input):
+def _fill_body_inputs(jaw: Jaw, muscles, body, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (6, 2 m + 6)."""
     body_to_head = body[2]
     wrench_column = by_input.shape[1] - N_WRENCH
@@ -171,7 +171,7 @@ def fill_body_inputs(jaw: Jaw, muscles, body, pulls, by_input):
     for line in range(muscles.shape[0] if wrench_column > 0 else 0):
         push = apply_transposed(body_to_head, (pulls[line, 0], pulls[line, 1], pulls[line, 2]))
         turn = apply_transposed(body_to_head, (pulls[line, 3], pulls[line, 4], pulls[line, 5]))
-        column = solve_body(body, push, turn, ZERO, ZERO)
+        column = _solve_body(body, push, turn, ZERO, ZERO)
         exponent = muscles[line, 1] * pulls[line, 6]
         muscle = jaw.muscle[line]
         for i in range(6):
@@ -180,5 +180,5 @@ def fill_body_inputs(jaw: Jaw, muscles, body, pulls, by_input):
     mouthpiece = vector3(jaw.mouthpiece)
     for j in range(3):
         turn = cross(mouthpiece, UNITS[j])
-        set_column(by_input, wrench_column + j, solve_body(body, UNITS[j], turn, ZERO, ZERO))
-        set_column(by_input, wrench_column + 3 + j, solve_body(body, ZERO, UNITS[j], ZERO, ZERO))
+        set_column(by_input, wrench_column + j, _solve_body(body, UNITS[j], turn, ZERO, ZERO))
+        set_column(by_input, wrench_column + 3 + j, _solve_body(body, ZERO, UNITS[j], ZERO, ZERO))

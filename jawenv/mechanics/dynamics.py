@@ -53,7 +53,7 @@ def linear_dtype(n_lines: int, n_states: int = N_STATES, n_muscles: int = 0) -> 
 
 
 @njit_inlined
-def inertial_coupling(jaw: Jaw, slope, body_to_head):
+def _inertial_coupling(jaw: Jaw, slope, body_to_head):
     """Schur form of the 5 x 5 mass matrix: W = M_tr M_rr^-1 (two rows) and the inverse of M_tt - W M_rt (2 x 2)."""
     m = jaw.mass
     x, y, z = jaw.centre_of_mass[0], jaw.centre_of_mass[1], jaw.centre_of_mass[2]
@@ -74,11 +74,11 @@ def inertial_coupling(jaw: Jaw, slope, body_to_head):
     a = m * (1.0 + slope * slope) - (w_first[0] * first[0] + w_first[1] * first[1] + w_first[2] * first[2])
     b = -(w_first[0] * second[0] + w_first[1] * second[1] + w_first[2] * second[2])
     d = m - (w_second[0] * second[0] + w_second[1] * second[1] + w_second[2] * second[2])
-    return inverse, w_first, w_second, free_inverse(jaw, a, b, d)
+    return inverse, w_first, w_second, _free_inverse(jaw, a, b, d)
 
 
 @njit_inlined
-def free_inverse(jaw: Jaw, a, b, d):
+def _free_inverse(jaw: Jaw, a, b, d):
     """Inverse (xx, xy, yy) of the 2 x 2 block of sliding, of its free coordinates only."""
     if jaw.free_x and jaw.free_y:
         determinant = a * d - b * b
@@ -91,7 +91,7 @@ def free_inverse(jaw: Jaw, a, b, d):
 
 
 @njit_inlined
-def solve_mass(coupling, right_x, right_y, right_turn):
+def _solve_mass(coupling, right_x, right_y, right_turn):
     """U' from M u' = (right_x, right_y, right_turn)."""
     inverse, w_first, w_second, schur = coupling
     rx = right_x - (w_first[0] * right_turn[0] + w_first[1] * right_turn[1] + w_first[2] * right_turn[2])
@@ -136,8 +136,8 @@ def acceleration_kernel(jaw: Jaw, muscles, q, u, wrench):
     turn = body_moment(jaw, body_to_head, moment, omega, wrench)
     turn = subtract(turn, cross(omega, inertia_times(jaw, omega)))
     turn = subtract(turn, scale(jaw.mass, cross(rho, apply_transposed(body_to_head, bias))))
-    coupling = inertial_coupling(jaw, slope, body_to_head)
-    return solve_mass(coupling, effective_force[0] + slope * effective_force[2], effective_force[1], turn)
+    coupling = _inertial_coupling(jaw, slope, body_to_head)
+    return _solve_mass(coupling, effective_force[0] + slope * effective_force[2], effective_force[1], turn)
 
 
 @njit_inlined
@@ -170,8 +170,8 @@ def linearise_acceleration(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     effective_force = subtract(force, scale(m, bias))
     turn = subtract(body_moment(jaw, body_to_head, moment, omega, wrench), gyro)
     turn = subtract(turn, scale(m, cross(rho, apply_transposed(body_to_head, bias))))
-    coupling = inertial_coupling(jaw, slope, body_to_head)
-    rate = solve_mass(coupling, effective_force[0] + slope * effective_force[2], effective_force[1], turn)
+    coupling = _inertial_coupling(jaw, slope, body_to_head)
+    rate = _solve_mass(coupling, effective_force[0] + slope * effective_force[2], effective_force[1], turn)
 
     # Everything below is at fixed u'.
     contact_acceleration = (rate[0], rate[1], slope * rate[0] + curvature * u[0] * u[0])
@@ -191,11 +191,11 @@ def linearise_acceleration(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     torque = scale(m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, vertical))))
     torque = subtract(torque, apply_transposed(body_to_head, apply(ell, shift)))
     along = residual[0] + slope * residual[2] + curvature * net[2]
-    set_column(by_state, 0, solve_mass(coupling, -along, -residual[1], scale(-1.0, torque)))
+    set_column(by_state, 0, _solve_mass(coupling, -along, -residual[1], scale(-1.0, torque)))
     # y
     change = (k[0][1], k[1][1], k[2][1])
     torque = apply_transposed(body_to_head, (ell[0][1], ell[1][1], ell[2][1]))
-    set_column(by_state, 1, solve_mass(coupling, change[0] + slope * change[2], change[1], torque))
+    set_column(by_state, 1, _solve_mass(coupling, change[0] + slope * change[2], change[1], torque))
     # theta, psi, alpha
     axes = turning_axes(q)
     for j in range(3):
@@ -205,9 +205,9 @@ def linearise_acceleration(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
         residual = subtract(scale(m, apply(body_to_head, cross(axis, swing))), change)
         torque = add(scale(-m, cross(rho, cross(axis, contact_body))), cross(axis, moment_body))
         torque = subtract(torque, apply_transposed(body_to_head, apply(n, axis_head)))
-        set_column(by_state, 2 + j, solve_residual(coupling, slope, residual, torque))
-    fill_speed_columns(jaw, u, slope, curvature, body_to_head, coupling, by_state)
-    fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, linear.by_input)
+        set_column(by_state, 2 + j, _solve_residual(coupling, slope, residual, torque))
+    _fill_speed_columns(jaw, u, slope, curvature, body_to_head, coupling, by_state)
+    _fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, linear.by_input)
     return rate
 
 
@@ -219,13 +219,13 @@ def set_column(matrix, j, column):
 
 
 @njit
-def solve_residual(coupling, slope, residual, torque):
+def _solve_residual(coupling, slope, residual, torque):
     """U' that cancels a residual of the equations: a force (head axes) and a moment (body axes)."""
-    return solve_mass(coupling, -(residual[0] + slope * residual[2]), -residual[1], scale(-1.0, torque))
+    return _solve_mass(coupling, -(residual[0] + slope * residual[2]), -residual[1], scale(-1.0, torque))
 
 
 @njit_within
-def fill_speed_columns(jaw: Jaw, u, slope, curvature, body_to_head, coupling, by_state):
+def _fill_speed_columns(jaw: Jaw, u, slope, curvature, body_to_head, coupling, by_state):
     """Derivatives of u' by x', y' and omega, into columns 5 to 9 of ``by_state``."""
     m, c = jaw.mass, jaw.damping_sliding
     omega = (u[2], u[3], u[4])
@@ -233,8 +233,8 @@ def fill_speed_columns(jaw: Jaw, u, slope, curvature, body_to_head, coupling, by
     spin = cross(omega, rho)
     vertical = 2.0 * curvature * u[0]
     torque = scale(-m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, vertical))))
-    set_column(by_state, 5, solve_mass(coupling, -(c + slope * (m * vertical + c * slope)), 0.0, torque))
-    set_column(by_state, 6, solve_mass(coupling, 0.0, -c, (0.0, 0.0, 0.0)))
+    set_column(by_state, 5, _solve_mass(coupling, -(c + slope * (m * vertical + c * slope)), 0.0, torque))
+    set_column(by_state, 6, _solve_mass(coupling, 0.0, -c, (0.0, 0.0, 0.0)))
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     angular_momentum = inertia_times(jaw, omega)
     for j in range(3):
@@ -243,11 +243,11 @@ def fill_speed_columns(jaw: Jaw, u, slope, curvature, body_to_head, coupling, by
         residual = scale(m, apply(body_to_head, swing_change))
         torque = add(cross(unit, angular_momentum), cross(omega, inertia_times(jaw, unit)))
         torque = add(add(torque, scale(m, cross(rho, swing_change))), scale(jaw.damping_rotation, unit))
-        set_column(by_state, 7 + j, solve_residual(coupling, slope, residual, torque))
+        set_column(by_state, 7 + j, _solve_residual(coupling, slope, residual, torque))
 
 
 @njit_within
-def fill_input_columns(jaw: Jaw, muscles, body_to_head, slope, coupling, pulls, by_input):
+def _fill_input_columns(jaw: Jaw, muscles, body_to_head, slope, coupling, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 2 m + 6).
 
     Those of the wrench alone where ``by_input`` has six columns.
@@ -259,7 +259,7 @@ def fill_input_columns(jaw: Jaw, muscles, body_to_head, slope, coupling, pulls, 
     for line in range(muscles.shape[0] if wrench_column > 0 else 0):
         pull = (pulls[line, 0], pulls[line, 1], pulls[line, 2])
         turn = apply_transposed(body_to_head, (pulls[line, 3], pulls[line, 4], pulls[line, 5]))
-        column = solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn)
+        column = _solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn)
         exponent = muscles[line, 1] * pulls[line, 6]
         muscle = jaw.muscle[line]
         for i in range(5):
@@ -270,5 +270,5 @@ def fill_input_columns(jaw: Jaw, muscles, body_to_head, slope, coupling, pulls, 
     for j in range(3):
         pull = apply(body_to_head, units[j])
         turn = cross(mouthpiece, units[j])
-        set_column(by_input, wrench_column + j, solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn))
-        set_column(by_input, wrench_column + 3 + j, solve_mass(coupling, 0.0, 0.0, units[j]))
+        set_column(by_input, wrench_column + j, _solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn))
+        set_column(by_input, wrench_column + 3 + j, _solve_mass(coupling, 0.0, 0.0, units[j]))

@@ -96,7 +96,7 @@ def capsule_force(jaw: Jaw, x):
 
 
 @njit
-def clear_stiffness(stiffness):
+def _clear_stiffness(stiffness):
     """Set the (3, 3, 3) array of K, L, N to zero."""
     for m in range(3):
         for i in range(3):
@@ -105,7 +105,7 @@ def clear_stiffness(stiffness):
 
 
 @njit_inlined
-def add_point(stiffness, arm, force):
+def _add_point(stiffness, arm, force):
     """Add a point force that does not depend on place to N; here and below of one point, or of all lines at once."""
     along = total(dot(arm, force))
     for i in range(3):
@@ -115,7 +115,7 @@ def add_point(stiffness, arm, force):
 
 
 @njit_inlined
-def add_line(stiffness, arm, direction, k):
+def _add_line(stiffness, arm, direction, k):
     """Add the symmetric rank-one stiffness k e e^T at ``arm`` to K, L and N."""
     turn = cross(arm, direction)
     pull, twist = scale(k, direction), scale(k, turn)
@@ -127,7 +127,7 @@ def add_line(stiffness, arm, direction, k):
 
 
 @njit_inlined
-def add_isotropic(stiffness, arm, k):
+def _add_isotropic(stiffness, arm, k):
     """Add the stiffness k 1 at ``arm`` to K, L and N."""
     lever = scale(k, arm)
     whole, square = total(k), total(dot(lever, arm))
@@ -155,8 +155,8 @@ def carried_with_stiffness(jaw: Jaw, muscles, contact, body_to_head, stiffness, 
     force = weight
     arm = apply(body_to_head, vector3(jaw.centre_of_mass))
     moment = cross(arm, weight)
-    clear_stiffness(stiffness)
-    add_point(stiffness, arm, weight)
+    _clear_stiffness(stiffness)
+    _add_point(stiffness, arm, weight)
     lines = all_lines(jaw.l_o)
     arm, direction, length, tension = muscle_pull(jaw, muscles, lines, contact, body_to_head)
     pull, whole = scale(tension, direction), scale(tension + jaw.tone, direction)
@@ -164,9 +164,9 @@ def carried_with_stiffness(jaw: Jaw, muscles, contact, body_to_head, stiffness, 
     force = add(force, totals(whole))
     moment = add(moment, totals(cross(arm, whole)))
     across = (tension + jaw.tone) / length
-    add_point(stiffness, arm, whole)
-    add_isotropic(stiffness, arm, -across)
-    add_line(stiffness, arm, direction, across - tension * muscles[lines, 1] / jaw.l_o[lines])
+    _add_point(stiffness, arm, whole)
+    _add_isotropic(stiffness, arm, -across)
+    _add_line(stiffness, arm, direction, across - tension * muscles[lines, 1] / jaw.l_o[lines])
     for k in range(3):
         pulls[lines, k] = pull[k]
         pulls[lines, 3 + k] = turn[k]
@@ -178,8 +178,8 @@ def carried_with_stiffness(jaw: Jaw, muscles, contact, body_to_head, stiffness, 
             push = (0.0, 0.0, -jaw.tooth_stiffness * ramp)
             force = add(force, push)
             moment = add(moment, cross(tooth, push))
-            add_point(stiffness, tooth, push)
-            add_line(stiffness, tooth, (0.0, 0.0, 1.0), -jaw.tooth_stiffness * steepness)
+            _add_point(stiffness, tooth, push)
+            _add_line(stiffness, tooth, (0.0, 0.0, 1.0), -jaw.tooth_stiffness * steepness)
     return force, moment
 
 

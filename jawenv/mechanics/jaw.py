@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Fossa, Mandible, MuscleSet, default_fossa, default_mandible, muscle_set
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.kernels.records import Array, record_dtype, record_zeros
 
 N_TEETH = 3
@@ -137,7 +137,7 @@ def build_jaw(
     jaw["mobility"] = mobility(mandible, muscles.insertion_m, directions)
     jaw["tooth_mobility"] = mobility(mandible, mandible.teeth_m, np.array([0.0, 0.0, 1.0]))
     jaw["condyle_mobility"] = mobility(mandible, np.zeros(3), np.array([1.0, 0.0, 0.0]))
-    jaw["mouthpiece_mobility"] = largest_mobility(mandible, np.asarray(mandible.mouthpiece_m))
+    jaw["mouthpiece_mobility"] = _largest_mobility(mandible, np.asarray(mandible.mouthpiece_m))
     jaw["muscle"] = muscles.muscle
     return jaw
 
@@ -150,7 +150,7 @@ def mobility(mandible: Mandible, points: NDArray[np.float64], directions: NDArra
     return result
 
 
-def largest_mobility(mandible: Mandible, point: NDArray[np.float64]) -> float:
+def _largest_mobility(mandible: Mandible, point: NDArray[np.float64]) -> float:
     """``mobility`` of a point (3,) in the direction that has the largest."""
     turns = np.cross(point - mandible.centre_of_mass_m, np.eye(3))
     mobilities = np.eye(3) / mandible.mass_kg + turns @ np.linalg.solve(mandible.inertia_kg_m2, turns.T)

@@ -15,7 +15,7 @@ from jawenv.mechanics.kinematics import angle_rates, split
 
 
 @njit
-def fill_angle_rate_derivatives(q, omega, by_angle):
+def _fill_angle_rate_derivatives(q, omega, by_angle):
     """Derivatives of (theta', psi', alpha') by (psi, alpha, omega), into ``by_angle`` (3, 5)."""
     sp, cp = sin_cos(q[3])
     sa, ca = sin_cos(q[4])
@@ -45,7 +45,7 @@ def linearised_rate(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """(q', u') as two tuples, and into ``linear`` (``linear_dtype``) its derivatives."""
     acceleration = linearise(jaw, muscles, q, u, wrench, linear)
     pose, omega = (q[0], q[1], q[-3], q[-2], q[-1]), (u[-3], u[-2], u[-1])
-    fill_angle_rate_derivatives(pose, omega, linear.by_angle)
+    _fill_angle_rate_derivatives(pose, omega, linear.by_angle)
     return u[:-3] + angle_rates(pose, omega), acceleration
 
 

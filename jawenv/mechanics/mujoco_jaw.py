@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import load_quantities
-from jawenv.errors import InputError
-from jawenv.extras import needs
+from jawenv.base.errors import InputError
+from jawenv.base.extras import needs
 from jawenv.mechanics.plant import Motion, PatientJaw, body_motion
 
 with needs("MujocoJaw", "mujoco", "mujoco"):

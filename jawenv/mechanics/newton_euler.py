@@ -56,7 +56,7 @@ def length(vector: Array) -> Array:
     return root
 
 
-def elementary_turns(q: ArrayLike) -> tuple[Array, Array, Array]:
+def _elementary_turns(q: ArrayLike) -> tuple[Array, Array, Array]:
     """The rotations (..., 3, 3) by pitch theta, yaw psi and roll alpha."""
     angles = np.asarray(q)[..., 2:5, None, None]
     turns = np.eye(3) + np.sin(angles) * _TURNS + (1.0 - np.cos(angles)) * _TURNS_SQUARED
@@ -65,13 +65,13 @@ def elementary_turns(q: ArrayLike) -> tuple[Array, Array, Array]:
 
 def rotation(q: ArrayLike) -> Array:
     """Body to head axes (..., 3, 3) at the coordinates q (..., 5), as the product of three elementary rotations."""
-    pitch, yaw, roll = elementary_turns(q)
+    pitch, yaw, roll = _elementary_turns(q)
     return pitch @ yaw @ roll
 
 
 def angle_axes(q: ArrayLike) -> Array:
     """(..., 3, 3): columns are the body-frame axes about which theta, psi and alpha turn."""
-    _, yaw, roll = elementary_turns(q)
+    _, yaw, roll = _elementary_turns(q)
     axes = np.empty_like(roll)
     # Rows of a rotation are head axes in body axes: the pitch turns about the second, then the yaw about the third.
     axes[..., :, 0], axes[..., :, 1], axes[..., :, 2] = (yaw @ roll)[..., 1, :], roll[..., 2, :], (1.0, 0.0, 0.0)
@@ -143,7 +143,7 @@ def point_forces(jaw: Any, log_parameters: ArrayLike, q: Array, u: Array, R: Arr
     return arms, forces
 
 
-def reaction_directions(jaw: Any, slope: Array) -> tuple[Array, NDArray[np.float64]]:
+def _reaction_directions(jaw: Any, slope: Array) -> tuple[Array, NDArray[np.float64]]:
     """Directions (..., c, 3) of the c reactions' forces on the contact point, and (c, 3) of their pure moments.
 
     The fossa's comes first; of the others there is one for each coordinate that is held, along it or about a body axis.
@@ -179,7 +179,7 @@ def acceleration(jaw: Any, log_parameters: ArrayLike, q: ArrayLike, u: ArrayLike
     force = forces.sum(axis=-2) + times(R, wrench[..., :3])
 
     _, slope, curvature = fossa(jaw, q[..., 0])
-    directions, moments = reaction_directions(jaw, slope)
+    directions, moments = _reaction_directions(jaw, slope)
     back = np.array([[0, -rho[2], rho[1]], [rho[2], 0, -rho[0]], [-rho[1], rho[0], 0]])  # omega' x -rho = back omega'
     turning = directions @ R @ back + moments
     centripetal = times(R, cross(omega, cross(omega, -rho)))

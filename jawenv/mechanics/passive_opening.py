@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import Fossa, Mandible, MuscleSet, muscle_set
-from jawenv.checks import real_number
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import real_number
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError, MissingPackageError, shown
+from jawenv.base.errors import InputError, MissingPackageError, shown
+from jawenv.base.named_objects import import_named, is_named, reason
 from jawenv.mechanics.kinematics import rotation
-from jawenv.named_objects import import_named, is_named, reason
 
 __all__ = [
     "BodyMotion",

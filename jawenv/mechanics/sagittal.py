@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import load_quantities
-from jawenv.errors import InputError
-from jawenv.extras import needs
+from jawenv.base.errors import InputError
+from jawenv.base.extras import needs
 from jawenv.mechanics.sagittal_forces import passive_forces, turned
 from jawenv.mechanics.sagittal_shapes import CONDYLE, FOSSA, SLOP, BodyMotion, add_fossa, add_mandible, motion_of
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.extras import needs
+from jawenv.base.extras import needs
 
 with needs("JawSagittal", "pymunk", "sagittal"):
     import pymunk
@@ -21,7 +21,7 @@ WALL = 15.0  # mm that the walls at both ends reach down
 END = 1.5  # crests from the roof to the front wall
 
 
-def fossa_outline(jaw: Any, radius: float, segment: float) -> NDArray[np.float64]:
+def _fossa_outline(jaw: Any, radius: float, segment: float) -> NDArray[np.float64]:
     """(n, 2) corners of the fossa (mm), from the foot of the posterior wall to that of the anterior one.
 
     Between the walls they lie on the parallel curve of the condyle centre's path. The condyle rests on it with an
@@ -41,7 +41,7 @@ def fossa_outline(jaw: Any, radius: float, segment: float) -> NDArray[np.float64
 
 def add_fossa(space: pymunk.Space, jaw: Any, radius: float, segment: float) -> None:
     """The fossa with its walls. Each segment knows its neighbours, so that a corner is touched once, not twice."""
-    corners = fossa_outline(jaw, radius, segment)
+    corners = _fossa_outline(jaw, radius, segment)
     extended = np.vstack([2 * corners[0] - corners[1], corners, 2 * corners[-1] - corners[-2]])
     points = [(float(x), float(z)) for x, z in extended]
     for before, start, end, after in zip(points, points[1:], points[2:], points[3:], strict=False):

@@ -24,7 +24,7 @@ MOST_PARTS = 16
 
 
 @njit
-def touched_stiffness(jaw: Jaw, contact, body_to_head):
+def _touched_stiffness(jaw: Jaw, contact, body_to_head):
     """Sum of stiffness times mobility (1/s2) of the teeth and of the condyles' stops, as far as they are touched."""
     total = 0.0
     for i in range(N_TEETH):
@@ -43,7 +43,7 @@ def fastest_rate(jaw: Jaw, muscles, q):
     lines = all_lines(jaw.l_o)
     _, _, _, tension = muscle_pull(jaw, muscles, lines, contact, body_to_head)
     stretched = total(tension * muscles[lines, 1] / jaw.l_o[lines] * jaw.mobility[lines])
-    return sqrt(touched_stiffness(jaw, contact, body_to_head) + stretched)
+    return sqrt(_touched_stiffness(jaw, contact, body_to_head) + stretched)
 
 
 @njit

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 Array = npt.NDArray[np.float64]
 

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from jawenv.anatomy.muscles import known_muscle_sets
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
 
 if TYPE_CHECKING:
     from gymnasium.vector import VectorEnv
@@ -18,7 +18,7 @@ Action = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 State = tuple[Any, ...] | None
 FIRST_OWN_SEED = 10**9
-"""Of agents; no world has it (`jawenv.seeds`)."""
+"""Of agents; no world has it (`jawenv.base.seeds`)."""
 
 
 @runtime_checkable

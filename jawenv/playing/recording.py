@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
 
 if TYPE_CHECKING:
     from jawenv.recordings.record import Record

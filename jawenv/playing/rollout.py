@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.checks import whole_number
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import whole_number
 from jawenv.controls import DEFAULT_CONTROL, control_of
-from jawenv.errors import InputError, shown
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
 from jawenv.playing.agents import Action, checked_decision, own_seed
 from jawenv.playing.recording import Array, Mask, Recording
@@ -25,7 +25,7 @@ from jawenv.playing.singles import SingleWorlds
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
-    from jawenv.files import Source
+    from jawenv.base.files import Source
     from jawenv.recordings.record import Record
 
 OnStep: TypeAlias = Callable[[Any, Action | None], None]

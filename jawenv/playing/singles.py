@@ -10,7 +10,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
 
 if TYPE_CHECKING:
     from jawenv.recordings.record import Record

@@ -45,16 +45,16 @@ NO_PUSH = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @njit
-def line_from(jaw: Jaw, i, q, lift):
+def _line_from(jaw: Jaw, i, q, lift):
     """From the insertion of line i to its origin (m, head axes)."""
     contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
     return subtract(row3(ORIGIN, i), add(contact, apply(rotation(q), row3(INSERTION, i))))
 
 
 @njit
-def band_tension(reality: RealityRecord, jaw: Jaw, i, length):
+def _band_tension(reality: RealityRecord, jaw: Jaw, i, length):
     """Tension (N) of line i with this ``length`` (m)."""
-    closed = norm(line_from(jaw, i, CLOSED, (0.0, 0.0)))
+    closed = norm(_line_from(jaw, i, CLOSED, (0.0, 0.0)))
     if i == 0:
         ramp, _ = smooth_ramp(length - SCAR_SLACK * closed, SCAR_ONSET)
         return reality.scar_stiffness * ramp
@@ -76,9 +76,9 @@ def bands_push(reality: RealityRecord, jaw: Jaw, q, lift):
         return NO_PUSH
     body_to_head = rotation(q)
     for i in range(ORIGIN.shape[0]):
-        line = line_from(jaw, i, q, lift)
+        line = _line_from(jaw, i, q, lift)
         length = norm(line)
-        pull = apply_transposed(body_to_head, scale(band_tension(reality, jaw, i, length) / length, line))
+        pull = apply_transposed(body_to_head, scale(_band_tension(reality, jaw, i, length) / length, line))
         force = add(force, pull)
         moment = add(moment, cross(subtract(row3(INSERTION, i), vector3(jaw.mouthpiece)), pull))
     return (force[0], force[1], force[2], moment[0], moment[1], moment[2])

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from jawenv.anatomy.knowledge import Knowledge
-from jawenv.files import instance_of
+from jawenv.base.files import instance_of
+from jawenv.base.numeric_fields import NumericFields, number
 from jawenv.kernels.records import record_dtype, record_zeros
-from jawenv.numeric_fields import NumericFields, number
 
 
 class RealityRecord:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
 from jawenv.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion
 from jawenv.recordings.table import RecordTable
 

@@ -7,8 +7,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from jawenv.errors import InputError, shown
-from jawenv.reading import read_bytes
+from jawenv.base.errors import InputError, shown
+from jawenv.base.reading import read_bytes
 
 LONGEST_LINE = 65_536
 """Characters of a row of names or numbers."""

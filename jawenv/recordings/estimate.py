@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
 from jawenv.anatomy.knowledge import Knowledge
+from jawenv.base.errors import InputError
+from jawenv.base.files import Source
 from jawenv.controls import Control
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor
-from jawenv.errors import InputError
-from jawenv.files import Source
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES

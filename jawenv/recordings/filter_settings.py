@@ -25,7 +25,7 @@ from jawenv.recordings.record import Record
 _OF_THE_BODY = ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity")
 
 
-def sds_of(
+def _sds_of(
     jaw: Any, model: Model, knowledge: Knowledge, prior: Any, motor_sds: NDArray[np.float64] | None, lasting: bool
 ) -> tuple[Any, list[Values]]:
     """The geometry about which sds are taken, and one sd of every nuisance that the filter integrates out.
@@ -59,7 +59,7 @@ def settings_of_record(record: Record) -> Any:
     if not record.knowledge.exact or force is not None:
         model = defaults.matching_models(record.parameter_names, states)[0]
         parts = record.jaw, model, record.knowledge, record.prior
-        upright, sds = sds_of(*parts, None if force is None else force[0], record.disturbance_time_s > 0.0)
+        upright, sds = _sds_of(*parts, None if force is None else force[0], record.disturbance_time_s > 0.0)
         muscle_set = model.muscles
     lines = len(record.jaw["l_o"]) if sds else 1
     disturbance = N_WRENCH if record.disturbance_time_s > 0.0 else 0
@@ -87,7 +87,7 @@ def settings_of_configuration(configuration: Configuration, jaw: Any) -> Any:
     motor_sds = sds_of_sensor(sensor, device)
     force = None if motor_sds is None else (motor_sds, device_with_sensor(sensor, device)[0])
     noise, spread = noise_of(device, sensor, TICK), start_sd(jaw, int(jaw["condyles"]))
-    upright, sds = sds_of(jaw, model, knowledge, prior, motor_sds, noise.disturbance_time_s > 0.0)
+    upright, sds = _sds_of(jaw, model, knowledge, prior, motor_sds, noise.disturbance_time_s > 0.0)
     disturbance = N_WRENCH if noise.disturbance_time_s > 0.0 else 0
     sizes = len(muscles), len(spread), len(muscles.muscle), len(sds), disturbance
     settings = record_zeros(1, filter_settings_dtype(*sizes))[0]

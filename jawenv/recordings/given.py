@@ -9,10 +9,10 @@ import numpy as np
 from jawenv.anatomy import Prior, cohort
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.knowledge import knowledge as knowledge_of
+from jawenv.base.errors import InputError
+from jawenv.base.files import Source
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor
-from jawenv.errors import InputError
-from jawenv.files import Source
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings import defaults
 

@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from jawenv.errors import InputError, meant, shown
-from jawenv.files import InputModel, read_mapping, validate
+from jawenv.base.errors import InputError, meant, shown
+from jawenv.base.files import InputModel, read_mapping, validate
 from jawenv.recordings.columns import DEG, ENCODERS, READINGS, SAMPLES, TIME
 from jawenv.recordings.table import RecordTable
 

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import Cohort
 from jawenv.anatomy.knowledge import Knowledge
-from jawenv.checks import real_number, whole_number
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import Source
+from jawenv.base.numeric_fields import real_number, whole_number
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.configuration import Configuration, Sensors
 from jawenv.envs.world.kept_ticks import keep_reading
-from jawenv.errors import InputError, shown
-from jawenv.files import Source
 from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import N_MEASUREMENTS

@@ -13,8 +13,8 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from jawenv.errors import InputError
-from jawenv.reading import LARGEST_DATA, open_file
+from jawenv.base.errors import InputError
+from jawenv.base.reading import LARGEST_DATA, open_file
 
 _BYTES_OF_A_VALUE = 8
 _DIGEST = b"jawenv.head_sha256"

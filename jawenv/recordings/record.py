@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
 from jawenv.anatomy.knowledge import Knowledge
+from jawenv.base.errors import InputError
 from jawenv.controls import CONTROLS, Control
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import FORCE_SENSORS, ForceSensor
-from jawenv.errors import InputError
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.mechanics.bilateral import N_BODY

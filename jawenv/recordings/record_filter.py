@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.belief.state import belief_dtype
 from jawenv.filter.learn import conclude
 from jawenv.filter.tick import begin_filter, filter_scratch_dtype, filter_tick, tick_dtype

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.columns import READINGS, SAMPLES, TIME
 from jawenv.recordings.table import RecordTable
 

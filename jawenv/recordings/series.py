@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings.checks import has_any

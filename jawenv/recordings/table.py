@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError, shown
-from jawenv.files import atomic_write
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import atomic_write
 from jawenv.recordings.dialects import decimal_signs, number, read_sheet
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
 from jawenv.recordings.table import RecordTable
 
 TEXTS = ("model", "cohort", "control", "force_sensor")

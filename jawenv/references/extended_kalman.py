@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.estimate import Estimate
 from jawenv.recordings.record import Record
 from jawenv.references.extended_kalman_kernel import Problem, filter_record

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
-from jawenv.extras import needs
+from jawenv.base.errors import InputError
+from jawenv.base.extras import needs
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.recordings.estimate import Estimate
 from jawenv.recordings.record import Record

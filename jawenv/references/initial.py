@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
 from jawenv.filter.readings.cell_trend import TREND_TIME
 from jawenv.kernels.records import record_zeros

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.belief.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.learn import learn
 from jawenv.filter.model.encoders import N_MEASUREMENTS

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.model.joint_step import N_NOISE
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -239,7 +239,7 @@ def steer(total, missed, wrench_variance, tolerance, wrench, scratch: PathScratc
 
 
 @njit
-def cost_of_readings(problem: PathProblem, k, state, scratch: JointScratch):
+def _cost_of_readings(problem: PathProblem, k, state, scratch: JointScratch):
     """Half the squared misfit of the readings at time k, in sds."""
     measured, variances = problem.measured[k], problem.variances
     expect(problem.jaw, state, scratch.rows, scratch.expected)
@@ -271,7 +271,7 @@ def roll_out(problem: PathProblem, states, wrenches, parameters, sweeps, scratch
     """
     n_states, inner, wrench_variances = states.shape[1], scratch.filter, problem.wrench_variances
     set_muscles(problem.jaw, parameters, 0, inner.muscles)
-    cost = cost_of_readings(problem, 0, states[0], inner)
+    cost = _cost_of_readings(problem, 0, states[0], inner)
     for k in range(wrenches.shape[0]):
         wrench = wrenches[k]
         for i in range(n_states):
@@ -287,7 +287,7 @@ def roll_out(problem: PathProblem, states, wrenches, parameters, sweeps, scratch
         for j in range(N_NOISE):
             if wrench_variances[k, j] > 0.0:
                 cost += 0.5 * wrench[j] * wrench[j] / wrench_variances[k, j]
-        cost += cost_of_readings(problem, k + 1, states[k + 1], inner)
+        cost += _cost_of_readings(problem, k + 1, states[k + 1], inner)
         if not np.isfinite(cost):
             return cost
     return cost

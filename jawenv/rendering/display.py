@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import sys
 
-from jawenv.errors import InputError
-from jawenv.extras import needs
+from jawenv.base.errors import InputError
+from jawenv.base.extras import needs
 
 _UNSEEN = ("dummy", "offscreen")
 _DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.extras import needs
+from jawenv.base.extras import needs
 from jawenv.rendering import palette
 from jawenv.rendering.camera import front_camera, side_camera
 from jawenv.rendering.muscles import draw_colour_legend, split_name, symbol

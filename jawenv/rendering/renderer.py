@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
-from jawenv.extras import needs
+from jawenv.base.errors import InputError
+from jawenv.base.extras import needs
 from jawenv.rendering.scene import Moment, Scene
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.errors import InputError, shown
-from jawenv.files import read_mapping
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import read_mapping
 from jawenv.trackers.tracks import Array
 
 DIRECTIONS = {"A": (1, 0, 0), "P": (-1, 0, 0), "L": (0, 1, 0), "R": (0, -1, 0), "S": (0, 0, 1), "I": (0, 0, -1)}

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from jawenv.errors import InputError, shown
-from jawenv.files import atomic_write, read_mapping
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import atomic_write, read_mapping
 from jawenv.recordings.dialects import decoded, number
 from jawenv.recordings.mapping import factor
 from jawenv.recordings.table import DIGITS, LARGEST_RECORDING

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.errors import InputError, shown
-from jawenv.reading import read_bytes
+from jawenv.base.errors import InputError, shown
+from jawenv.base.reading import read_bytes
 from jawenv.recordings.columns import TIME
 from jawenv.recordings.table import LARGEST_RECORDING, RecordTable
 from jawenv.trackers.tracks import Tracks, distinct, is_rate, millimetres

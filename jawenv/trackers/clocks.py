@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 Array = NDArray[np.float64]
 

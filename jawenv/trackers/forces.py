@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.columns import READINGS, TIME
 from jawenv.recordings.mapping import mapped, read_columns
 from jawenv.recordings.table import FORMATS, read_table

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from jawenv.anatomy.mandible import default_mandible
-from jawenv.errors import InputError
-from jawenv.files import check_kept
-from jawenv.reading import open_file
+from jawenv.base.errors import InputError
+from jawenv.base.files import check_kept
+from jawenv.base.reading import open_file
 from jawenv.recordings.columns import ENCODERS, READINGS, TIME
 from jawenv.recordings.files import load_record
 from jawenv.recordings.plausibility import findings

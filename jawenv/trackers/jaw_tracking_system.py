@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.errors import InputError, MissingPackageError, shown
-from jawenv.reading import open_file
+from jawenv.base.errors import InputError, MissingPackageError, shown
+from jawenv.base.reading import open_file
 from jawenv.trackers import hdf5_groups
 from jawenv.trackers.bids_motion import matrices
 from jawenv.trackers.tracks import Array, Tracks, is_rate, millimetres

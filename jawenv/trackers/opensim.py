@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from jawenv.errors import InputError, shown
-from jawenv.files import write_text
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import write_text
 from jawenv.recordings.dialects import decoded
 from jawenv.recordings.table import DIGITS, LARGEST_RECORDING
 from jawenv.trackers.tracks import Array, Tracks, listed, millimetres, numbers, whole

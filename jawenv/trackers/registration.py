@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from jawenv.errors import InputError, not_among, shown
-from jawenv.files import read_mapping
+from jawenv.base.errors import InputError, not_among, shown
+from jawenv.base.files import read_mapping
 from jawenv.trackers.tracks import Array, Tracks, listed, millimetres
 
 LANDMARKS = ("incisor", "molar_left", "molar_right")

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError, printable, shown
+from jawenv.base.errors import InputError, printable, shown
 from jawenv.recordings.dialects import number
 from jawenv.recordings.mapping import UNITS, factor
 from jawenv.recordings.table import RecordTable

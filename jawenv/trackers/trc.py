@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jawenv.errors import InputError, shown
+from jawenv.base.errors import InputError, shown
 from jawenv.recordings.dialects import decoded
 from jawenv.recordings.table import LARGEST_RECORDING
 from jawenv.trackers.tracks import Tracks, distinct, millimetres, numbers, whole

@@ -8,8 +8,8 @@ import pytest
 
 import agents
 from agents.own import source_of
-from jawenv.errors import InputError
-from jawenv.named_objects import is_named
+from jawenv.base.errors import InputError
+from jawenv.base.named_objects import is_named
 
 SOURCE = '''
 import numpy as np

@@ -9,7 +9,7 @@ import jawenv
 from agents.clairvoyant import Clairvoyant
 from agents.planners import PLANNERS
 from agents.sampling_planner import SamplingPlanner
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.agents import Agent, Planning
 from tests.recorded import Actions
 

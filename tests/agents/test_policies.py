@@ -22,8 +22,8 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 import agents
 import jawenv
 from agents.policies import load_policy
+from jawenv.base.errors import InputError
 from jawenv.envs.observation import OBSERVATION_SIZE
-from jawenv.errors import InputError
 from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.policies.controller import ControlledAgent

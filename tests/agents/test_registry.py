@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import agents
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.agents import Agent
 from jawenv.playing.excitation import Excitation
 from jawenv.playing.maneuvers.maneuver import Player

@@ -10,7 +10,7 @@ import agents
 import jawenv
 from agents.array_files import load_arrays
 from agents.replay import Replay, replay_of, replays_of, save_maneuver, targets_of
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
 from tests.recorded import Actions
 

@@ -9,7 +9,7 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.analysis.bound import bound_along
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.readings.cell_trend import TREND_TIME
 from jawenv.references.numpy_model import measurement_with_derivative, step_with_derivative
 

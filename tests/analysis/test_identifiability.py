@@ -18,7 +18,7 @@ from jawenv.analysis.identifiability import (
     identifiability,
 )
 from jawenv.anatomy import PARAMETER_NAMES, Prior
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 
 @cache

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from jawenv.analysis.joint_likelihood import JointLikelihood, joint_likelihood
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.maneuvers import Player
 
 WORLDS = 4

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import kstest, truncnorm
 
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Patient, cohort
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.mechanics.passive_opening import passive_opening
 
 PATIENTS = 4000

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from jawenv.anatomy.knowledge import IMAGED, LEVELS, Knowledge, knowledge
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 
 def test_a_name_a_mapping_and_a_file_say_the_same(tmp_path):

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jawenv.anatomy import MUSCLE_NAMES, PARAMETER_NAMES, Patient
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 MUSCLES = ", ".join(MUSCLE_NAMES)
 F_O = dict.fromkeys(MUSCLE_NAMES, 1.2)

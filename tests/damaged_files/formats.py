@@ -20,7 +20,7 @@ from eval.patient.courses import load as load_treatment
 from eval.studies.design import read as read_study
 from eval.studies.design import shipped as shipped_studies
 from jawenv import Anatomy, Cohort, Device, Patient
-from jawenv.files import read_model
+from jawenv.base.files import read_model
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
 from jawenv.playing.policies.card import SHIPPED, ResultsFile, read_card

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from tests.damaged_files.formats import FORMATS, Format
 
 LONGEST_S = 1.0

@@ -6,8 +6,8 @@ from gymnasium.utils.env_checker import check_env
 
 import jawenv  # noqa: F401  registers the environments
 from eval.commands.app import main
+from jawenv.base.errors import InputError
 from jawenv.envs import jaw
-from jawenv.errors import InputError
 from jawenv.rendering.display import check_display
 
 UNSEEN = [

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 SHORT = {"episode_s": 0.4, "knowledge": "exact"}
 

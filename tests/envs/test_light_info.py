@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 KEYS = {"belief_mean", "belief_sd", "truth", "cost", "violation", "misfit", "time", "episode_key"}
 

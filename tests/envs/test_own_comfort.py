@@ -6,10 +6,10 @@ import pytest
 from test_copies import actions
 
 import jawenv
+from jawenv.base.numeric_fields import NumericFields
 from jawenv.device.channels import FORE_AFT
 from jawenv.device.comfort import COMFORT_LIMITS, GOVERNOR_ONSET
 from jawenv.envs.world.tracking import wanted_by
-from jawenv.numeric_fields import NumericFields
 
 ID = "jawenv/Jaw-v3"
 PUSH = np.array([0.15, 0.15, 0.05, 0.05], np.float32)

@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jawenv
+from jawenv.base.errors import InputError
 from jawenv.device.channels import FASTEST_TARGET, LOWEST, TRACKER
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.world.tracking import LAW_TICKS, aim, follow_all, move_targets
-from jawenv.errors import InputError
 from jawenv.metrics.calibration import nees, nees_band
 from jawenv.playing.maneuvers import Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import action_of

@@ -7,9 +7,9 @@ from gymnasium.vector import AutoresetMode
 from recorded import BODY
 
 from agents import load_agent
+from jawenv.base.errors import InputError
 from jawenv.device.motors import mouthpiece_motion
 from jawenv.envs.configuration import configure
-from jawenv.errors import InputError
 from jawenv.mechanics.kinematics import rotation, split
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from eval.commands.app import main
 from eval.comparison import results
-from jawenv.locks import alone
+from jawenv.base.locks import alone
 from tests.eval.studies import GOOD, study
 
 SHORT = ["--episode-s", "1", "--seed", "5000"]

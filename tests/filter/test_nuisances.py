@@ -9,9 +9,9 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from jawenv.anatomy.knowledge import IMAGED, Knowledge
+from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration, configure
 from jawenv.envs.simulation import Simulation
-from jawenv.errors import InputError
 from jawenv.filter.nuisances.changed_jaw import copy_jaw, move_jaw
 from jawenv.filter.nuisances.changes import add_readings, set_wrenches
 from jawenv.filter.nuisances.unknowns import FARTHEST, cell_turn_of, changed_jaw, offset_of, scaled, turn_of

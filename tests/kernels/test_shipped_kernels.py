@@ -11,7 +11,7 @@ import pytest
 from llvmlite import binding
 
 import jawenv
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.kernels import cache
 from research.kernels import make_cache, ship_cache
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.live import panels
 from jawenv.live.admission import AccessRules
 from jawenv.live.page import Page

@@ -4,7 +4,7 @@ import urllib.request
 
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.live.notebook import Cell
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.live import panels
 from jawenv.live.levels import GAME, OWN, level_of
 from jawenv.live.outcome import LEARNED, learned_agents, outcomes_of_rivals

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.live import saving
 from jawenv.live.page import Page
 from jawenv.live.saving import Saves

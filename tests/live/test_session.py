@@ -5,7 +5,7 @@ import pytest
 
 from eval.kept.entries import load_entries
 from jawenv.anatomy.knowledge import IMAGED, Knowledge
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.live.drive_file import maneuver_of_drive
 from jawenv.live.outcome import DriveOutcome, outcomes_of_rivals
 from jawenv.live.playback import Playback

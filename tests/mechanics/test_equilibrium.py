@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import brentq
 
 import jawenv
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.passive_opening import passive_opening

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sagittal_plane as plane
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.mechanics.forces import resultant
 from jawenv.mechanics.kinematics import contact_point, rotation
 from jawenv.mechanics.sagittal import SagittalJaw

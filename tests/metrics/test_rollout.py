@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import jawenv
+from jawenv.base.errors import InputError
 from jawenv.envs.jaw import JawEnv
-from jawenv.errors import InputError
 from jawenv.playing.agents import own_seed
 from jawenv.playing.rollout import information_bound, play
 

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, nees_band, score
 from jawenv.metrics.score import Summary
 from tests.metrics.linear_gaussian import linear_gaussian

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.agents import BatchAgent, Memory, Remembering
 
 

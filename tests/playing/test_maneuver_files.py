@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from agents.registry import load_agent, names
+from jawenv.base.errors import InputError
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
-from jawenv.errors import InputError
 from jawenv.playing.maneuvers.maneuver import FASTEST_ASKED, FOLDER, Maneuver
 
 README = Path(__file__).parents[2] / "agents" / "README.md"

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from jawenv.base.errors import InputError
 from jawenv.device.device import Device
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.envs.world.observation import FORCE_SCALE
-from jawenv.errors import InputError
 from jawenv.playing.agents import Agent, Memory
 from jawenv.playing.maneuvers.maneuver import Maneuver, Player
 

@@ -76,7 +76,7 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
     ("folder", "own", "extras"),
     [
         # pyyaml and pyarrow only to read such a file; jawenv says so when they are missing. rich only in
-        # jawenv.progress, for the commands, which bring it.
+        # jawenv.base.progress, for the commands, which bring it.
         ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all", "sb3"]),
         ("agents", {"jawenv", "agents"}, ["all", "train"]),
         ("training", {"jawenv", "agents", "training"}, ["all", "train"]),

@@ -7,7 +7,7 @@ import pytest
 from eval.benchmark import fresh
 from eval.benchmark.submission import PAGE, PATIENTS, Submission, SubmittedAgent, SubmittedScore
 from eval.benchmark.tasks import VERSION, digest
-from jawenv.files import write_json
+from jawenv.base.files import write_json
 
 ROOT = Path(__file__).parents[2]
 

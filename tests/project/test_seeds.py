@@ -4,7 +4,7 @@ from itertools import combinations
 
 from eval.benchmark.tasks import TASKS
 from eval.kept.entries import Settings
-from jawenv.seeds import BENCHMARK, FILTER_TUNING, REPORTS, TRAINING, TUNING, VALIDATION
+from jawenv.base.seeds import BENCHMARK, FILTER_TUNING, REPORTS, TRAINING, TUNING, VALIDATION
 from training.run.config import DEFAULT_CONFIG, TrainingConfig
 from training.run.worlds import world_seed
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.columns import READINGS
 from jawenv.recordings.dialects import read_sheet
 from jawenv.recordings.files import load_record

@@ -8,8 +8,8 @@ import pytest
 
 import jawenv
 from agents import load_agent
+from jawenv.base.errors import InputError
 from jawenv.commands.app import main
-from jawenv.errors import InputError
 from jawenv.metrics.verdicts import NOT_MEASURED, verdicts
 from jawenv.recordings.files import load_record, save_record
 from jawenv.recordings.identification import identified

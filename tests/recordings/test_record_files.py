@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import jawenv
 from jawenv.anatomy import cohort
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.ladder import MODELS, model_named
 from jawenv.recordings import defaults
 from jawenv.recordings.columns import ENCODERS, READINGS

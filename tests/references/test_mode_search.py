@@ -13,7 +13,7 @@ from scipy.stats import multivariate_normal, norm
 
 import jawenv
 from agents import load_agent
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.learn import learn
 from jawenv.metrics.calibration import nees_band
 from jawenv.recordings.record_filter import FilterRun, TensionFilter

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.rendering import Renderer, Scene, palette
 from tests.rendering.jaw_scenes import COMFORT, FRONT, LIMITS, POSTERIOR, SIDE, TRACE, coloured, differ, scene
 

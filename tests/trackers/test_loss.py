@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from jawenv.base.errors import InputError
 from jawenv.commands.app import main
-from jawenv.errors import InputError
 from jawenv.recordings.files import load_record
 from jawenv.trackers import importing
 from jawenv.trackers.importing import ImportSettings, import_file

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.files import load_record
 from jawenv.trackers.bids_motion import read_bids_motion
 from jawenv.trackers.importing import ImportSettings, import_file

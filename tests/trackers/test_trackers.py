@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from jawenv.base.errors import InputError
 from jawenv.commands.app import main
-from jawenv.errors import InputError
 from jawenv.recordings.columns import READINGS
 from jawenv.recordings.files import load_record, save_record
 from jawenv.trackers.clocks import clock_offset

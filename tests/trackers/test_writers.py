@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.columns import READINGS
 from jawenv.recordings.files import load_record
 from jawenv.trackers.c3d import read_c3d

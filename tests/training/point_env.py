@@ -13,7 +13,7 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 EPISODE_STEPS = 20
 LIMIT = 1.5

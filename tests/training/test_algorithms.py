@@ -14,12 +14,12 @@ from stable_baselines3 import SAC
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.evaluations import read_evaluations
+from jawenv.base.errors import InputError
+from jawenv.base.files import validate
+from jawenv.base.progress import Progress
 from jawenv.envs.observation import OBSERVATION_SIZE
-from jawenv.errors import InputError
-from jawenv.files import validate
 from jawenv.playing.policies.card import ModelCard
 from jawenv.playing.policies.plain import PlainPolicy, RecurrentPlainPolicy
-from jawenv.progress import Progress
 from jawenv.sb3 import NativeVecEnv
 from tests.plain_policies import fields
 from training.cli import main

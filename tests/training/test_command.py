@@ -18,7 +18,7 @@ import yaml
 from point_env import TINY_CONFIG
 from stable_baselines3 import PPO
 
-from jawenv.locks import alone
+from jawenv.base.locks import alone
 from tests.eval.runs import make_it_run_code
 from training.cli import main
 from training.run.callbacks import Interrupt

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from jawenv.errors import InputError
-from jawenv.seeds import VALIDATION
+from jawenv.base.errors import InputError
+from jawenv.base.seeds import VALIDATION
 from training.run.config import DEFAULT_CONFIG, Residual, TrainingConfig, asked_for, config_file
 
 

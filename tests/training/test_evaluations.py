@@ -8,7 +8,7 @@ import pytest
 from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 from rich.console import Console
 
-from jawenv.progress import Progress
+from jawenv.base.progress import Progress
 from jawenv.sb3 import NativeVecEnv
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import jawenv
+from jawenv.base.errors import InputError
 from jawenv.device.channels import FASTEST_TARGET
-from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import FOLDER
 from training.cli import main

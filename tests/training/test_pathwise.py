@@ -10,9 +10,9 @@ from rich.console import Console
 import agents
 from agents.evaluations import read_evaluations
 from eval.kept.entries import fits, load_entry
+from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
-from jawenv.errors import InputError
 from training.cli import main
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder

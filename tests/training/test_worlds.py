@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from point_env import EPISODE_STEPS, PointVectorEnv
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.sb3 import NativeVecEnv
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from jawenv.files import InputModel, Number
+from jawenv.base.files import InputModel, Number
 
 Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 PositiveInt = Annotated[int, Field(gt=0, strict=True)]

@@ -12,7 +12,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.policies.card import Architecture
 from training.run.algorithm_configs import (
     APGConfig,

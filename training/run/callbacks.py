@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
 
-from jawenv.progress import Progress
+from jawenv.base.progress import Progress
 from training.run.algorithm_configs import PPOConfig
 from training.run.config import ComfortConfig, TrainingConfig
 from training.run.folder import RunFolder

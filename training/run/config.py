@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal, Self, get_args
 import yaml
 from pydantic import Field, JsonValue, model_validator
 
-from jawenv.errors import InputError, meant, shown
-from jawenv.files import InputModel, Number, read_mapping, read_model, validate, write_text
+from jawenv.base.errors import InputError, meant, shown
+from jawenv.base.files import InputModel, Number, read_mapping, read_model, validate, write_text
+from jawenv.base.seeds import VALIDATION
 from jawenv.ladder import DEFAULT_ENV, env_id_of, title_of_env
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import SUFFIXES as MANEUVER_FILES
-from jawenv.seeds import VALIDATION
 from training.run.algorithm_configs import (
     APGConfig,
     PositiveInt,
@@ -81,7 +81,7 @@ class ComfortConfig(InputModel):
 class EvaluationConfig(InputModel):
     """The deterministic policy is tried on one fixed cohort: the patients of seed, seed + 1, ...
 
-    All of them lie in `jawenv.seeds.VALIDATION`, as the best policy is chosen on them.
+    All of them lie in `jawenv.base.seeds.VALIDATION`, as the best policy is chosen on them.
     """
 
     every_steps: PositiveInt = 100_000

@@ -13,8 +13,8 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
 from agents.evaluations import read_evaluations
-from jawenv.progress import Progress
-from jawenv.reading import read_text
+from jawenv.base.progress import Progress
+from jawenv.base.reading import read_text
 from training.run.config import EvaluationConfig
 from training.run.folder import RunFolder
 

@@ -14,9 +14,9 @@ import yaml
 from safetensors.numpy import save
 
 import jawenv
-from jawenv.errors import InputError
-from jawenv.files import read_mapping, read_model, write_text
-from jawenv.locks import alone
+from jawenv.base.errors import InputError
+from jawenv.base.files import read_mapping, read_model, write_text
+from jawenv.base.locks import alone
 from jawenv.playing.policies.card import (
     CARD,
     WEIGHTS,

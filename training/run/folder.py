@@ -26,12 +26,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agents.evaluations import FILE as EVALUATIONS
-from jawenv.errors import InputError
-from jawenv.files import atomic_write, read_mapping, remove_unfinished, write_json, write_text
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write, read_mapping, remove_unfinished, write_json, write_text
+from jawenv.base.reading import LARGEST_TEXT, open_file, read_member
+from jawenv.base.versions import made_with
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.card import CARD
-from jawenv.reading import LARGEST_TEXT, open_file, read_member
-from jawenv.versions import made_with
 from training.run.config import BASE_FILE, TrainingConfig
 
 if TYPE_CHECKING:

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 import jawenv
 from agents.policies import load_policy
+from jawenv.base.errors import InputError
+from jawenv.base.extras import needs
+from jawenv.base.files import atomic_write
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.envs.observation import layouts, observation_layout
-from jawenv.errors import InputError
-from jawenv.extras import needs
-from jawenv.files import atomic_write
 from jawenv.playing.policies.card import ModelCard, policy_folder
 from jawenv.playing.policies.plain import PlainPolicy
 from jawenv.playing.policies.residual import STEPS_SEEN, BaseTargets, ResidualPolicy

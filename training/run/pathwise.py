@@ -24,9 +24,9 @@ from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
+from jawenv.base.errors import InputError
 from jawenv.envs.asked import asked_muscles
 from jawenv.envs.observation import OBSERVATION_LAYOUT
-from jawenv.errors import InputError
 from jawenv.playing.policies.residual import BaseTargets
 
 UNSEEN = ("rates", "force", "motor_thrust")

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.evaluations import CURVES, Table, read_evaluations
-from jawenv.errors import InputError
-from jawenv.extras import needs
-from jawenv.files import atomic_write
-from jawenv.locks import alone
+from jawenv.base.errors import InputError
+from jawenv.base.extras import needs
+from jawenv.base.files import atomic_write
+from jawenv.base.locks import alone
 from training.run.folder import RunFolder
 
 if TYPE_CHECKING:

@@ -16,13 +16,13 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 
+from jawenv.base.errors import InputError, shown
+from jawenv.base.locks import alone
+from jawenv.base.progress import Progress
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError, shown
-from jawenv.locks import alone
 from jawenv.playing.policies.card import CorrectedManeuver, Environment
 from jawenv.playing.policies.following import decision_hz
 from jawenv.playing.policies.residual import BaseTargets
-from jawenv.progress import Progress
 from training.run.algorithm_configs import APGConfig, SACConfig
 from training.run.algorithms import make_model, plain_policy
 from training.run.callbacks import Interrupt, Multiplier, Upkeep

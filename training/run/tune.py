@@ -14,7 +14,7 @@ from rich.console import Console
 from sqlalchemy.exc import SQLAlchemyError
 
 from agents.evaluations import read_evaluations
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from training.run import train
 from training.run.algorithm_configs import APGConfig, PPOConfig
 from training.run.config import TrainingConfig

@@ -8,13 +8,13 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import VectorEnv
 
+from jawenv.base.errors import InputError
+from jawenv.base.seeds import TRAINING
 from jawenv.controls import mode_of
-from jawenv.errors import InputError
 from jawenv.playing.policies.controller import ControlledWorlds
 from jawenv.playing.policies.following import TargetsLaw
 from jawenv.playing.policies.residual import BaseTargets
 from jawenv.sb3 import NativeVecEnv, Price
-from jawenv.seeds import TRAINING
 from training.run.config import EnvConfig
 
 

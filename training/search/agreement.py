@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 import jawenv  # noqa: F401  registers its environments
 from agents.twin.constants import Patients, Twin
 from agents.twin.worlds import Worlds
+from jawenv.base.errors import InputError
 from jawenv.device.channels import HIGHEST, LOWEST
-from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV, env_id_of
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver

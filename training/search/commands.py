@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
+from jawenv.base.errors import InputError
+from jawenv.base.progress import Progress
+from jawenv.base.seeds import TUNING
 from jawenv.commands.options import takes_world
-from jawenv.errors import InputError
 from jawenv.ladder import env_id_of, title_of_env
 from jawenv.playing.agents import Array
-from jawenv.progress import Progress
-from jawenv.seeds import TUNING
 from training.search.session import (
     INTERRUPTED,
     Anew,

@@ -20,13 +20,13 @@ import jawenv  # noqa: F401  registers its environments
 from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.worlds import Worlds
+from jawenv.base.seeds import TUNING
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import SUFFIXES, action_of
 from jawenv.playing.policies.following import DECISION_HZ
-from jawenv.seeds import TUNING
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig
 from training.search.settings import GradientSearch

@@ -23,16 +23,16 @@ from numpy.typing import NDArray
 import jawenv
 from agents.replay import followed, maneuver_of_targets
 from jawenv.anatomy import MUSCLE_NAMES, Patient
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write
+from jawenv.base.reading import read_bytes
+from jawenv.base.seeds import TUNING
 from jawenv.controls import Control
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
-from jawenv.errors import InputError
-from jawenv.files import atomic_write
 from jawenv.ladder import env_id_of
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import Targets
 from jawenv.playing.maneuvers.signals import Keyframes
-from jawenv.reading import read_bytes
-from jawenv.seeds import TUNING
 from training.search.settings import Refinement
 
 Array = NDArray[np.float64]

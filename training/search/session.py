@@ -12,10 +12,10 @@ import typer
 import yaml
 from rich.console import Console
 
-from jawenv.errors import InputError
-from jawenv.files import write_text
-from jawenv.locks import alone
-from jawenv.progress import Progress
+from jawenv.base.errors import InputError
+from jawenv.base.files import write_text
+from jawenv.base.locks import alone
+from jawenv.base.progress import Progress
 from training.search.settings import SearchSettings
 
 INTERRUPTED = 130

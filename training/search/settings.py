@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin,
 
 import typer
 
+from jawenv.base.errors import InputError, shown
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.envs.configuration import configure
-from jawenv.errors import InputError, shown
 from jawenv.ladder import model_of_env
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_STATES
@@ -31,7 +31,7 @@ STEPS = 4
 
 
 @njit
-def fill_measurements(jaw: Jaw, states, expected, rows, rates):
+def _fill_measurements(jaw: Jaw, states, expected, rows, rates):
     """The encoders' readings in each state: values (N, 12), derivatives (N, 12, 10) and rates of q (N, 5)."""
     for n in range(states.shape[0]):
         measure(jaw, states[n], rows[n], expected[n])
@@ -57,7 +57,7 @@ def expected_measurements(jaw: Any, states: Array) -> tuple[Array, Array, Array]
     number = len(states)
     expected, rows = np.empty((number, N_MEASUREMENTS)), np.empty((number, N_MEASUREMENTS, N_STATES))
     rates = np.empty((number, N_COORDINATES))
-    fill_measurements(jaw, np.ascontiguousarray(states), expected, rows, rates)
+    _fill_measurements(jaw, np.ascontiguousarray(states), expected, rows, rates)
     return expected, rows, rates
 
 

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 
 from eval.thesis.methods.moment_balance import SMOOTHING_S, Balance, Rows, balance_of
 from eval.thesis.methods.regression import regression_covariance
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.estimate import Estimate
 from jawenv.recordings.record import Record
 

@@ -25,7 +25,7 @@ from eval.thesis.methods.inverse_kinematics import (
     acceleration_from_mouthpiece,
     motion_from_pose,
 )
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, scale, subtract, vector3
 from jawenv.mechanics.dynamics import N_WRENCH, body_moment, inertia_times
@@ -42,7 +42,7 @@ SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 
 
 @njit
-def fill_balance(jaw: Jaw, no_muscles, motions, needed, by_wrench, pull, strain):
+def _fill_balance(jaw: Jaw, no_muscles, motions, needed, by_wrench, pull, strain):
     """Rows of N times: ``needed`` (N, 5), ``by_wrench`` (N, 5, 6), ``pull`` (N, lines, 5), ``strain`` (N, lines).
 
     Rows 0, 1: force along the two tangents of the fossa (N); rows 2 to 4: moment about the contact point, body axes
@@ -143,13 +143,13 @@ def balance(jaw: Any, states: Array, accelerations: Array, wrenches: Array) -> t
 
     Returns:
         (N, 5) needed, (N, 5, 6) its derivative by the wrench with the sign changed, (N, lines, 5) pull of 1 N,
-        (N, lines) strain. Rows as in ``fill_balance``.
+        (N, lines) strain. Rows as in ``_fill_balance``.
     """
     number, lines = len(states), len(jaw["l_o"])
     needed, by_wrench = np.empty((number, N_COORDINATES)), np.empty((number, N_COORDINATES, N_WRENCH))
     pull, strain = np.empty((number, lines, N_COORDINATES)), np.empty((number, lines))
     motions = tuple(np.ascontiguousarray(array) for array in (states, accelerations, wrenches))
-    fill_balance(jaw, np.zeros((lines, 2)), motions, needed, by_wrench, pull, strain)
+    _fill_balance(jaw, np.zeros((lines, 2)), motions, needed, by_wrench, pull, strain)
     return needed, by_wrench, pull, strain
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize
 
 from eval.thesis.methods.inverse_kinematics import N_COORDINATES, expected_measurements
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.mechanics.dynamics import N_STATES
 
 Array = NDArray[np.float64]

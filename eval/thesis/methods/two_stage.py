@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from eval.thesis.methods.moment_balance import SMOOTHING_S, Balance, Rows, balance_of
 from eval.thesis.methods.regression import regression_covariance, scaled_inverse
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.recordings.estimate import Estimate
 from jawenv.recordings.record import Record
 

@@ -14,7 +14,7 @@ from jawenv.mechanics.jaw import Jaw
 
 
 @njit_within
-def follow_bound(model: Jaw, world: World, settings: Settings, scratch: BoundScratch, path):
+def _follow_bound(model: Jaw, world: World, settings: Settings, scratch: BoundScratch, path):
     """The bound of one world after its last control period, or after its first reading.
 
     It is linearised at the true jaw, unless that is of another kind than the filter's ``model``.
@@ -52,4 +52,4 @@ def track_bound(models, worlds, active, all_settings, scratches, all_paths, part
     first, last, thread = part
     for i in range(first, last):
         if active[i]:
-            follow_bound(models[i], worlds[i], all_settings[0], scratches[thread], all_paths[i])
+            _follow_bound(models[i], worlds[i], all_settings[0], scratches[thread], all_paths[i])

@@ -25,7 +25,7 @@ def _midline(device: DeviceRecord, world: World, scratch: Scratch, settings: Set
 
 
 @where(lambda world: world.typeof("truth").typeof("body").shape[0], otherwise=_midline)
-def plant_tick(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
+def _plant_tick(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
     """One tick: of a world that has a body, whose jaw may all the same be believed to have one point (planners)."""
     if world.truth.jaw.condyles == 2:
         return bilateral_tick(device, world, scratch, settings)
@@ -35,7 +35,7 @@ def plant_tick(device: DeviceRecord, world: World, scratch: Scratch, settings: S
 @njit
 def true_motion(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
     """Move the jaw through one tick; samples the device's wrench, returns what of the governor acted."""
-    acted = plant_tick(device, world, scratch, settings)
+    acted = _plant_tick(device, world, scratch, settings)
     return max(acted, end_motion(device, world, scratch, settings.control.servo))
 
 

@@ -17,7 +17,7 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 
 
-class TrueTick:
+class _TrueTick:
     """The truth of one tick, beside the filter's ``tick_dtype``."""
 
     wrench: Annotated[Array, N_SAMPLES, N_WRENCH]  # during it
@@ -28,8 +28,8 @@ class TrueTick:
 
 @cache
 def true_tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of ``TrueTick``."""
-    return record_dtype(TrueTick, states=n_states)
+    """Dtype of ``_TrueTick``."""
+    return record_dtype(_TrueTick, states=n_states)
 
 
 @njit

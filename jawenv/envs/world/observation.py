@@ -9,11 +9,11 @@ from __future__ import annotations
 from functools import cache
 from math import log10, sqrt
 
+from jawenv.base.errors import InputError
 from jawenv.device.comfort import N_LIMITS, excursions, set_tension_limits, used_fractions
 from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.world.record import Control, Known, Seeing
-from jawenv.errors import InputError
 from jawenv.filter.belief.state import FilterSettings
 from jawenv.filter.model.joint_step import set_muscles
 from jawenv.kernels.compiled import njit

@@ -33,16 +33,16 @@ def _without_body(truth: Truth, motion):
 
 
 @where(lambda truth: truth.typeof("body").shape[0], otherwise=_without_body)
-def keep_body(truth: Truth, motion):
+def _keep_body(truth: Truth, motion):
     """The twelve numbers as they are, where the filter's model has two condyles and so believes in all of them."""
     set_state(truth.body, motion[0], motion[1])
     return True
 
 
 @njit
-def take_moved(truth: Truth, motion):
+def _take_moved(truth: Truth, motion):
     """Set what ``truth`` has of the motion of a jaw that Python has moved."""
-    keep_body(truth, motion)
+    _keep_body(truth, motion)
     take_free_body(truth, motion[0], motion[1])
 
 
@@ -53,7 +53,7 @@ def plant_rest(devices, models, worlds, i, all_settings, scratches, rows: StepRo
     It has begun at the midline model's rest, whose random numbers are drawn again.
     """
     device, world, settings = devices[0], worlds[i], all_settings[0]
-    take_moved(world.truth, motion)
+    _take_moved(world.truth, motion)
     treatable = count_from_rest(world.truth, world.known.limits)
     begin_device(device, models[i], world)
     begin_reality(world.truth, settings.reality, scratches[i])
@@ -89,7 +89,7 @@ def plant_wrench(devices, worlds, i, all_settings, scratches, motion, times):
         scratches[i],
         all_settings[0],
     )
-    take_moved(truth, motion)
+    _take_moved(truth, motion)
     q, u = split(truth.state)
     lift, servo = lift_of(truth), settings.control.servo
     wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, (q, u, lift), since, servo)
@@ -106,7 +106,7 @@ def plant_end(devices, models, worlds, i, all_settings, scratches, rows: StepRow
     if world.known.tick < 0:
         begin_first_tick(world.truth, scratch)
     else:
-        take_moved(world.truth, motion)
+        _take_moved(world.truth, motion)
         acted = max(scratch.acted, end_motion(device, world, scratch, settings.control.servo))
         take_motion(device, world, scratch, 1.0 / settings.control.ticks_per_step, acted)
     end_tick(device, models[i], world, settings, scratch, rows.ticks[i], rows.paths[i])

@@ -52,7 +52,7 @@ def plus_wrench(wrench, extra, push):
 
 
 @njit_within
-def wrench_at_stage(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings, step, stage, h, motion):
+def _wrench_at_stage(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings, step, stage, h, motion):
     """The wrench on the jaw at a stage of a Runge-Kutta step, with what the load cell and the governor have of it."""
     since = step * h + stage_place(stage) * h
     wrench, governed = device_wrench(
@@ -68,7 +68,7 @@ def wrench_at_stage(device: DeviceRecord, world: World, scratch: Scratch, settin
 def midline_rate(q, u, stage, h, arguments):
     """(q', u') of the midline plant under the device; ``arguments`` as in ``midline_steps``."""
     device, world, scratch, settings, step = arguments
-    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, (q, u, lift_of(world.truth)))
+    total = _wrench_at_stage(device, world, scratch, settings, step, stage, h, (q, u, lift_of(world.truth)))
     return state_rate(world.truth.jaw, scratch.effective, q, u, total)
 
 
@@ -78,7 +78,7 @@ def body_rate(q, u, stage, h, arguments):
     device, world, scratch, settings, step = arguments
     middle_q, middle_u, lift, lift_rate = midline_motion(world.truth.jaw, q, u)
     motion = middle_q, middle_u, (lift, lift_rate)
-    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, motion)
+    total = _wrench_at_stage(device, world, scratch, settings, step, stage, h, motion)
     return bilateral_rate(world.truth.jaw, scratch.effective, q, u, total)
 
 
@@ -93,9 +93,9 @@ def midline_tick(device: DeviceRecord, world: World, scratch: Scratch, settings:
     truth = world.truth
     q, u = split(truth.state)
     rate = fastest_rate(truth.jaw, scratch.effective, q)
-    parts = parts_of_tick(device, truth.jaw, settings, rate, truth.acted)
+    parts = _parts_of_tick(device, truth.jaw, settings, rate, truth.acted)
     acted = midline_steps(device, world, scratch, settings, parts)
-    shorter = parts_of_tick(device, truth.jaw, settings, rate, acted)
+    shorter = _parts_of_tick(device, truth.jaw, settings, rate, acted)
     if shorter > parts:
         set_state(world.truth.state, q, u)
         acted = midline_steps(device, world, scratch, settings, shorter)
@@ -104,7 +104,7 @@ def midline_tick(device: DeviceRecord, world: World, scratch: Scratch, settings:
 
 
 @njit
-def parts_of_tick(device: DeviceRecord, jaw: Jaw, settings: Settings, rate, acted):
+def _parts_of_tick(device: DeviceRecord, jaw: Jaw, settings: Settings, rate, acted):
     """Runge-Kutta steps in a tick of a jaw with this free ``rate`` (1/s), where this of the governor ``acted``."""
     if acted >= BRAKED:
         rate = held_rate(device, jaw, settings.control.servo, acted, rate)

@@ -54,7 +54,7 @@ def beginning_dtype(n_lines: int) -> np.dtype[np.void]:
 
 
 @njit
-def write_position(jaw: Jaw, pose, positions, i):
+def _write_position(jaw: Jaw, pose, positions, i):
     """Write where the mouthpiece is at ``pose`` (5) into row i of ``places``."""
     q = (pose[0], pose[1], pose[2], pose[3], pose[4])
     point, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), ON_PATH, rotation(q))
@@ -63,7 +63,7 @@ def write_position(jaw: Jaw, pose, positions, i):
 
 
 @njit
-def open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Beginning):
+def _open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Beginning):
     """Poses from rest to the end of the painless range, in ``scratch``; returns the last one's number, -1 if none.
 
     ``pose`` (5 or more) is near the rest, and becomes it.
@@ -74,7 +74,7 @@ def open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Beginn
     _, converged = settle(jaw, muscles, poses[0], 0.0, False, scratch.linear, scratch.matrix, scratch.right)
     for i in range(5):
         pose[i] = poses[0, i]
-    write_position(jaw, poses[0], positions, 0)
+    _write_position(jaw, poses[0], positions, 0)
     rest_opening = jaw.mouthpiece[2] - positions[0, 2]
     if not converged or rest_opening > REST_OPENING_MAX or abs(positions[0, 1]) > REST_SIDE_MAX:
         return -1
@@ -86,7 +86,7 @@ def open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Beginn
         too_far = poses[i, 0] > CREST_SHARE * jaw.crest - comfort.condyle_free
         if not converged or force > comfort.painless_force or too_far:
             return i - 1
-        write_position(jaw, poses[i], positions, i)
+        _write_position(jaw, poses[i], positions, i)
     return RANGE_STEPS
 
 
@@ -120,7 +120,7 @@ def set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, 
 
 
 @njit
-def reset_motors(device: DeviceRecord, truth: Truth, motors: Motors):
+def _reset_motors(device: DeviceRecord, truth: Truth, motors: Motors):
     """Motors without thrust, their targets where the resting jaw has put them."""
     q, u = split(truth.state)
     body_to_head = rotation(q)
@@ -168,7 +168,7 @@ def begin_device(device: DeviceRecord, model: Jaw, world: World):
     known.tick = -1
     clear_step(world)
     known.reading[:] = 0.0
-    reset_motors(device, world.truth, known.motors)
+    _reset_motors(device, world.truth, known.motors)
     known.tracker.target[:] = 0.0
     known.tracker.rate[:] = 0.0
     known.tracker.size[:] = 1.0
@@ -177,7 +177,7 @@ def begin_device(device: DeviceRecord, model: Jaw, world: World):
 
 
 @njit_within
-def begin_world(
+def _begin_world(
     device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, beginning, first_row
 ):
     """Put one world at rest; False when the device cannot treat its patient."""
@@ -186,7 +186,7 @@ def begin_world(
     truth.state[:] = 0.0
     truth.state[0] = 3e-3 if truth.jaw.free_x else 0.0
     truth.state[2] = 0.05
-    last = open_slowly(truth.jaw, truth.muscles, settings.comfort, truth.state, beginning)
+    last = _open_slowly(truth.jaw, truth.muscles, settings.comfort, truth.state, beginning)
     truth.lift[0], truth.lift[1] = 0.0, 0.0
     if last < 0 or not set_limits(truth.jaw, truth.muscles, settings.comfort, limits, last, beginning):
         return False
@@ -211,7 +211,7 @@ def begin(shared: Shared, models, worlds, chosen, beginnings, accepted, all_tick
     first, last, thread = part
     for i in range(first, last):
         if chosen[i]:
-            accepted[i] = begin_world(
+            accepted[i] = _begin_world(
                 shared.devices[0],
                 models[i],
                 worlds[i],

@@ -85,7 +85,7 @@ def scratch_dtype(
 
 
 @njit
-def read_load_cell(device: DeviceRecord, truth: Truth, scratch: Scratch):
+def _read_load_cell(device: DeviceRecord, truth: Truth, scratch: Scratch):
     """Samples of the load cell or its substitute: errors of the episode, fresh noise for each sample."""
     for i in range(N_SAMPLES):
         for k in range(6):
@@ -95,11 +95,11 @@ def read_load_cell(device: DeviceRecord, truth: Truth, scratch: Scratch):
     if truth.no_cell:
         read_force(device, truth.jaw, truth, TICK, scratch.samples)
     biased(truth.reality, scratch.samples)
-    turn_samples(truth, scratch.samples)
+    _turn_samples(truth, scratch.samples)
 
 
 @njit
-def turn_samples(truth: Truth, samples):
+def _turn_samples(truth: Truth, samples):
     """Turn the load cell's ``samples`` (3, 6) by the mouthpiece's seat, and add the cell's offset."""
     for i in range(N_SAMPLES):
         turn_wrench(truth.cell_turn, -1.0, samples[i])
@@ -140,7 +140,7 @@ def command(device: DeviceRecord, model: Jaw, known: Known, action, settings: Se
 
 
 @njit
-def draw_unmodelled(device: DeviceRecord, truth: Truth, tick, decay, normals):
+def _draw_unmodelled(device: DeviceRecord, truth: Truth, tick, decay, normals):
     """The unmodelled wrench of the tick: anew, or with memory, and as large in the mean from the first tick on."""
     memory = decay if tick > 0 else 0.0
     share = sqrt(1.0 - memory * memory)
@@ -160,7 +160,7 @@ def begin_tick(device: DeviceRecord, model: Jaw, world: World, action, settings:
     motion = q, u, lift_of(truth)
     command_motors(device, truth.jaw, known.motors, motion, scratch.action, settings.control.servo, TICK)
     update_tissue(settings.reality, truth.reality, truth.jaw, truth.muscles, motion, TICK, scratch.effective)
-    draw_unmodelled(device, truth, known.tick, settings.unmodelled_decay, normals)
+    _draw_unmodelled(device, truth, known.tick, settings.unmodelled_decay, normals)
 
 
 @njit_within
@@ -211,13 +211,13 @@ def end_step(device: DeviceRecord, model: Jaw, world: World, settings: Settings,
 @njit
 def take_motion(device: DeviceRecord, world: World, scratch: Scratch, share, acted):
     """Load cell, discomfort and governor of a tick that has passed; ``share`` is its share of the step."""
-    read_load_cell(device, world.truth, scratch)
-    take_comfort(world, scratch, share)
+    _read_load_cell(device, world.truth, scratch)
+    _take_comfort(world, scratch, share)
     world.truth.governor += share if acted > 0.0 else 0.0
 
 
 @njit
-def take_comfort(world: World, scratch: Scratch, share):
+def _take_comfort(world: World, scratch: Scratch, share):
     """Add one tick's discomfort to the step's record."""
     truth, limits = world.truth, world.known.limits
     q, u = split(truth.state)

@@ -37,7 +37,7 @@ _MARGIN, _END = OBSERVATION_REST["comfort_margin"].start, OBSERVATION_REST["comf
 
 
 @njit
-def felt_by(sensed, rest_roll):
+def _felt_by(sensed, rest_roll):
     """``Felt`` from an observation's part after the belief; the load cell turns with the mouthpiece."""
     pitch = sensed[_POSE + 2] * POSE_SCALE[2]
     ahead, up = sensed[_FORCE] * FORCE_SCALE, sensed[_FORCE + 2] * FORCE_SCALE
@@ -92,7 +92,7 @@ def follow(device: DeviceRecord, observation, parameters, tracker: Tracker, with
         if tracker.crest == 0.0:
             tracker.crest, tracker.full_force = _CREST_M, _FORCE_N
     shrink(tracker.size, sensed[_MARGIN:_END], 1.0 - sensed[_POSE] * POSE_SCALE[0] / tracker.crest / CREST_SHARE, dt)
-    targets, felt = wanted_by(sensed, tracker), felt_by(sensed, tracker.rest_roll)
+    targets, felt = wanted_by(sensed, tracker), _felt_by(sensed, tracker.rest_roll)
     if with_servo:
         servo_rates(device, targets, felt, action)
     else:

@@ -29,7 +29,7 @@ def threshold(parameters):
 
 
 @njit
-def squared_distance(drift: Drift, k, mean):
+def _squared_distance(drift: Drift, k, mean):
     """(m - m_k)^T P_k^-1 (m - m_k)."""
     total = 0.0
     for i in range(mean.shape[0]):
@@ -49,7 +49,7 @@ def judge_drift(belief: Belief):
         return
     drift.judged = belief.readings
     for k in range(drift.kept):
-        drift.largest = max(drift.largest, squared_distance(drift, k, belief.mean) / threshold(belief.mean.shape[0]))
+        drift.largest = max(drift.largest, _squared_distance(drift, k, belief.mean) / threshold(belief.mean.shape[0]))
     if is_due(belief):
         keep_belief(belief)
 

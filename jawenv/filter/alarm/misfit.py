@@ -46,7 +46,7 @@ def add_to_block(jaw: Jaw, belief: Belief, scratch: UpdateScratch):
     block.speed += speed_of(jaw, belief.motion) / (SLOW[jaw.condyles - 1] * BLOCK)
     block.ticks += 1
     if block.ticks == BLOCK:
-        judge_block(belief, scratch)
+        _judge_block(belief, scratch)
         begin_block(block)
 
 
@@ -59,7 +59,7 @@ def move_block(block: Block, steps):
 
 
 @njit
-def judge_block(belief: Belief, scratch: UpdateScratch):
+def _judge_block(belief: Belief, scratch: UpdateScratch):
     """Keep the two largest misfits of blocks."""
     block, share = belief.block, 1.0 / sqrt(BLOCK)
     move_block(block, belief.steps)
@@ -76,11 +76,11 @@ def judge_block(belief: Belief, scratch: UpdateScratch):
         block.second = max(block.second, min(block.largest, misfit))
         block.largest = max(block.largest, misfit)
         if block.speed < 1.0:
-            add_slow(block, min(statistic, MOST))
+            _add_slow(block, min(statistic, MOST))
 
 
 @njit
-def add_slow(block: Block, statistic):
+def _add_slow(block: Block, statistic):
     """Judge the mean of the slow blocks with one more of them."""
     block.slow += 1
     block.total += statistic

@@ -75,7 +75,7 @@ def posterior_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.void]:
 
 
 @njit
-def without_nuisances(belief: Belief, gain_variance, scratch: PosteriorScratch):
+def _without_nuisances(belief: Belief, gain_variance, scratch: PosteriorScratch):
     """Information and score about c alone: gain error and nuisances integrated out, with their priors.
 
     Leaves the factor of their information at given c in ``nuisance_factor``. False if that has none.
@@ -163,7 +163,7 @@ def set_omega(covariance, omega):
 
 
 @njit
-def set_reached(scratch: PosteriorScratch):
+def _set_reached(scratch: PosteriorScratch):
     """Y with Y^T Y = E^T (N^-1 + G)^-1 E into ``reached`` (3 m, p), where E picks the first derivatives of T.
 
     With N = C C^T and 1 + C^T G C = M M^T: Y = M^-1 C^T E, positive semidefinite whatever rounding does. The last
@@ -224,7 +224,7 @@ def set_precision(mean, prior_mean, prior_sd, scratch: PosteriorScratch):
             precision[i, j] = bent[row, 3 * (j // 2) + j % 2]
         right[i] = scratch.pulled[row]
     if not information_loss < NEGLIGIBLE:
-        if not set_reached(scratch):
+        if not _set_reached(scratch):
             return False
         for i in range(parameters):
             for j in range(parameters):
@@ -259,7 +259,7 @@ def update_belief(belief: Belief, settings: FilterSettings, scratch: PosteriorSc
     mirror(belief.information)
     scratch.last_mean[:] = mean
     scratch.last_cov[:, :] = covariance
-    if without_nuisances(belief, settings.gain_variance, scratch) and refine(belief, settings, scratch):
+    if _without_nuisances(belief, settings.gain_variance, scratch) and refine(belief, settings, scratch):
         return True
     mean[:] = scratch.last_mean
     covariance[:, :] = scratch.last_cov

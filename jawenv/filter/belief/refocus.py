@@ -32,15 +32,15 @@ def refocus(belief: Belief, scratch):
         strayed = abs(mean[e] - log(basis.middle[i]))
         if sd < SHRINKS * basis.width[i] or strayed > STRAYS * basis.width[i]:
             moved = True
-            place_nodes(basis, i, mean[e], min(sd, basis.width[i]), scratch.carried)
-            carry_over(belief, i, scratch)
+            _place_nodes(basis, i, mean[e], min(sd, basis.width[i]), scratch.carried)
+            _carry_over(belief, i, scratch)
     if moved:
         begin_block(belief.block)
         set_coefficients(basis, mean, belief.nominal)
 
 
 @njit
-def place_nodes(basis: Basis, i, middle, width, carried):
+def _place_nodes(basis: Basis, i, middle, width, carried):
     """New nodes for muscle i about exp(``middle``); into ``carried`` (K, K) the matrix L."""
     nodes = basis.nodes.shape[1]
     basis.middle[i], basis.width[i] = exp(middle), width
@@ -53,23 +53,23 @@ def place_nodes(basis: Basis, i, middle, width, carried):
 
 
 @njit
-def carry_over(belief: Belief, i, scratch):
+def _carry_over(belief: Belief, i, scratch):
     """Information, score and ``by_tension`` about muscle i's old coefficients become those about its new ones."""
     carried, row = scratch.carried, scratch.row
     first = i * carried.shape[0]
     by_tension, information, score = belief.by_tension, belief.information, belief.score
     for state in range(by_tension.shape[0]):
-        turn_row(by_tension[state], first, carried, row)
-    turn_row(score, first, carried, row)
+        _turn_row(by_tension[state], first, carried, row)
+    _turn_row(score, first, carried, row)
     size = information.shape[0]
     for a in range(size):
-        turn_row(information[a], first, carried, row)
+        _turn_row(information[a], first, carried, row)
     for column in range(size):
-        turn_row(information[:, column], first, carried, row)
+        _turn_row(information[:, column], first, carried, row)
 
 
 @njit
-def turn_row(values, first, carried, row):
+def _turn_row(values, first, carried, row):
     """``values`` from ``first`` on, K of them, times L."""
     nodes = carried.shape[0]
     for j in range(nodes):

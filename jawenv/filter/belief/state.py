@@ -243,8 +243,8 @@ def begin_belief(basis: Basis, belief: Belief, log_parameters, prior_sd):
         belief.point[i] = log_parameters[i]
         belief.replayed_at[i] = log_parameters[i]
         belief.cov[i, i] = prior_sd[i] * prior_sd[i]
-    copy_basis(belief.basis, basis)
-    begin_drift(belief.drift)
+    _copy_basis(belief.basis, basis)
+    _begin_drift(belief.drift)
     belief.misfit = 0.0
     belief.nuisances[:] = 0.0
     belief.nuisances_replayed_at[:] = 0.0
@@ -255,7 +255,7 @@ def begin_belief(basis: Basis, belief: Belief, log_parameters, prior_sd):
 
 
 @njit
-def copy_basis(target: Basis, source: Basis):
+def _copy_basis(target: Basis, source: Basis):
     """Target = source."""
     target.middle[:] = source.middle
     target.width[:] = source.width
@@ -274,7 +274,7 @@ def begin_block(block: Block):
 
 
 @njit
-def begin_drift(drift: Drift):
+def _begin_drift(drift: Drift):
     """Nothing is kept."""
     drift.kept, drift.judged, drift.largest = 0, 0, 0.0
 

@@ -100,8 +100,8 @@ def move_bound(jaw: Jaw, covariance, tick, settings: FilterSettings, noise_varia
     joint, recursion = scratch.joint, scratch.recursion
     joint.state[:] = before
     propagate(jaw, muscles, joint.state, wrench, trend, 0.0, settings.dt, joint)
-    extend_total(joint.total, settings.disturbance_decay, first_parameter(covariance, settings), recursion.total)
-    move_by_nuisances(jaw, muscles, (before, after, wrench, friction), settings, scratch)
+    _extend_total(joint.total, settings.disturbance_decay, first_parameter(covariance, settings), recursion.total)
+    _move_by_nuisances(jaw, muscles, (before, after, wrench, friction), settings, scratch)
     predict_covariance(covariance, noise_variance, recursion)
     first = joint.total.shape[0]
     for k in range(settings.disturbance_variance.shape[0]):
@@ -109,7 +109,7 @@ def move_bound(jaw: Jaw, covariance, tick, settings: FilterSettings, noise_varia
 
 
 @njit
-def extend_total(motion_total, decay, parameters, total):
+def _extend_total(motion_total, decay, parameters, total):
     """``total`` of all states from that of ``propagate``; ``parameters`` is the column of the first."""
     n_states, moving = motion_total.shape[0], total.shape[0]
     rest = motion_total.shape[1] - n_states  # parameters, gain and the wrench not known
@@ -135,19 +135,19 @@ def read_bound(jaw: Jaw, motion, covariance, used, settings: FilterSettings, scr
     for i in range(joint.rows.shape[0]):
         for j in range(joint.rows.shape[1]):
             recursion.rows[i, j] = joint.rows[i, j]
-    read_by_nuisances(jaw, motion, used, settings, scratch)
+    _read_by_nuisances(jaw, motion, used, settings, scratch)
     take_rows(covariance, settings.measurement_variance, used, recursion)
 
 
 @where(lambda scratch: scratch.typeof("wrench").shape[1])
-def move_by_nuisances(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: BoundScratch):
+def _move_by_nuisances(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: BoundScratch):
     """The effect of one sd of each nuisance on the motion at the tick's end, into its columns of the derivative."""
-    add_columns(jaw, muscles, tick, settings, scratch)
+    _add_columns(jaw, muscles, tick, settings, scratch)
 
 
 @njit
-def add_columns(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: BoundScratch):
-    """``move_by_nuisances`` where there are some."""
+def _add_columns(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: BoundScratch):
+    """``_move_by_nuisances`` where there are some."""
     before, after, wrench, friction = tick
     scratch.nuisances.friction_share[:] = friction
     pose, _ = middle_of(jaw, before, after)
@@ -171,7 +171,7 @@ def add_columns(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: Boun
 
 
 @where(lambda scratch: scratch.typeof("wrench").shape[1])
-def read_by_nuisances(jaw: Jaw, motion, used, settings: FilterSettings, scratch: BoundScratch):
+def _read_by_nuisances(jaw: Jaw, motion, used, settings: FilterSettings, scratch: BoundScratch):
     """The effect of one sd of each nuisance on the readings, into its columns of their derivative."""
     first = scratch.recursion.total.shape[0]
     add_readings(jaw, motion, settings.nuisances, used, first, scratch.recursion.rows, scratch.nuisances)

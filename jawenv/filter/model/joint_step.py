@@ -76,7 +76,7 @@ def set_jacobian(h, linear: Linear, jacobian):
 
 
 @njit
-def with_gain(sample, trend, gain):
+def _with_gain(sample, trend, gain):
     """The wrench that a sample of the load cell stands for, given the gain's error."""
     return (
         sample[0] + gain * trend[0],
@@ -89,7 +89,7 @@ def with_gain(sample, trend, gain):
 
 
 @njit_within
-def add_inputs(slope, by_input, trend, tilt):
+def _add_inputs(slope, by_input, trend, tilt):
     """Add what parameters, gain and wrench do to the accelerations, the lower half of ``slope``.
 
     ``tilt`` is where in the step, from -1 to 1.
@@ -107,7 +107,7 @@ def add_inputs(slope, by_input, trend, tilt):
 
 
 @njit
-def set_identity(matrix):
+def _set_identity(matrix):
     """Ones on the diagonal of the leading square block, zeros elsewhere."""
     for i in range(matrix.shape[0]):
         for j in range(matrix.shape[1]):
@@ -164,28 +164,28 @@ def propagate(jaw: Jaw, muscles, state, samples, trend, gain, dt, scratch: Sensi
 
 
 @njit_within
-def joint_rate(q, u, stage, h, arguments):
+def _joint_rate(q, u, stage, h, arguments):
     """(q', u') at a stage; moves the derivative, too, through the stage."""
     jaw, muscles, (samples, trend, gain), part, parts, scratch = arguments
     share = stage_share(part, stage, parts)
-    wrench = with_gain(between_samples(samples, share), trend, gain)
+    wrench = _with_gain(between_samples(samples, share), trend, gain)
     rate = linearised_rate(jaw, muscles, q, u, wrench, scratch.linear)
     set_jacobian(1.0, scratch.linear, scratch.jacobian)
     multiply(scratch.jacobian, scratch.stage, scratch.slope)
-    add_inputs(scratch.slope, scratch.linear.by_input, trend, 2.0 * share - 1.0)
-    move_derivative(stage, h, scratch)
+    _add_inputs(scratch.slope, scratch.linear.by_input, trend, 2.0 * share - 1.0)
+    _move_derivative(stage, h, scratch)
     return rate
 
 
 @njit
-def begin_derivative(scratch: Sensitivity):
+def _begin_derivative(scratch: Sensitivity):
     """The derivative at the start of a Runge-Kutta step is what the parts before have left."""
     copy_matrix(scratch.start, scratch.total)
     copy_matrix(scratch.stage, scratch.total)
 
 
 @njit_inlined
-def move_derivative(stage, h, scratch: Sensitivity):
+def _move_derivative(stage, h, scratch: Sensitivity):
     """The derivative through a stage, whose rate is ``slope``: as the state in ``runge_kutta_step``."""
     add_scaled(scratch.total, scratch.total, stage_weight(stage, h), scratch.slope)
     if stage < STAGES - 1:
@@ -195,11 +195,11 @@ def move_derivative(stage, h, scratch: Sensitivity):
 @njit
 def propagate_in(jaw: Jaw, muscles, state, cell, dt, parts, scratch: Sensitivity):
     """As ``propagate``, with the step divided into ``parts``, whatever the state; ``cell``: (samples, trend, gain)."""
-    set_identity(scratch.total)
+    _set_identity(scratch.total)
     h = dt / parts
     for part in range(parts):
-        begin_derivative(scratch)
+        _begin_derivative(scratch)
         q, u = motion_of(state, scratch.linear)
         arguments = (jaw, muscles, cell, part, parts, scratch)
-        q, u = runge_kutta_step(joint_rate, q, u, h, arguments)
+        q, u = runge_kutta_step(_joint_rate, q, u, h, arguments)
         set_state(state, q, u)

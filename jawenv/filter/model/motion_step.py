@@ -59,7 +59,7 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
 
 
 @njit
-def set_rates(h, scratch: Step):
+def _set_rates(h, scratch: Step):
     """Into ``rates`` (n, n + 6) h times the derivative of the state's rate by state and wrench."""
     rates, by_wrench = scratch.rates, scratch.linear.by_input
     set_jacobian(h, scratch.linear, rates)
@@ -72,11 +72,11 @@ def set_rates(h, scratch: Step):
 
 
 @njit
-def set_part(h, scratch: Step):
+def _set_part(h, scratch: Step):
     """Into ``part`` (n, n + 6) both series of a part of ``h`` seconds."""
     rates, power, product, part = scratch.rates, scratch.power, scratch.product, scratch.part
     size, columns = part.shape
-    set_rates(h, scratch)
+    _set_rates(h, scratch)
     power[:, :] = rates
     part[:, :] = rates
     for i in range(size):
@@ -91,7 +91,7 @@ def set_part(h, scratch: Step):
 
 
 @njit
-def append_part(first, scratch: Step):
+def _append_part(first, scratch: Step):
     """``total`` (n, n + 6) becomes the derivative of all parts up to this one, which may be the first."""
     part, total, product = scratch.part, scratch.total, scratch.product
     size, columns = part.shape
@@ -107,7 +107,7 @@ def append_part(first, scratch: Step):
 
 
 @njit
-def is_half_way(part, stage, parts):
+def _is_half_way(part, stage, parts):
     """Whether a stage of Runge and Kutta is the one at the middle of the step: the last where there are two."""
     return part == parts // 2 and stage == (2 if parts % 2 == 1 else 0)
 
@@ -117,7 +117,7 @@ def midline_rate(q, u, stage, h, arguments):
     """(q', u') of the midline model; half way through the step also the Jacobian, into ``scratch``."""
     jaw, samples, part, parts, derive, scratch = arguments
     sample = between_samples(samples, stage_share(part, stage, parts))
-    if not (derive and is_half_way(part, stage, parts)):
+    if not (derive and _is_half_way(part, stage, parts)):
         return state_rate(jaw, scratch.muscles, q, u, sample)
     return linearised_rate(jaw, scratch.muscles, q, u, sample, scratch.linear)
 
@@ -132,9 +132,9 @@ def midline_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
         q, u = runge_kutta_step(midline_rate, q, u, h, (jaw, samples, part, parts, derive, scratch))
         set_state(motion, q, u)
     if derive:
-        set_part(h, scratch)
+        _set_part(h, scratch)
         for part in range(parts):
-            append_part(part == 0, scratch)
+            _append_part(part == 0, scratch)
 
 
 @njit_within
@@ -160,8 +160,8 @@ def body_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
         q, u = runge_kutta_step(body_rate, q, u, h, (jaw, samples, part, parts, derive, scratch))
         set_state(motion, q, u)
         if derive:
-            set_part(h, scratch)
-            append_part(part == 0, scratch)
+            _set_part(h, scratch)
+            _append_part(part == 0, scratch)
 
 
 def _body_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):

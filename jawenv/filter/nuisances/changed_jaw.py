@@ -11,7 +11,7 @@ from jawenv.mechanics.jaw import N_TEETH, Jaw
 
 
 @njit
-def change_body(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
+def _change_body(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
     """Mass, centre of mass and inertia about it, with mass, first moment and inertia about the contact point changed.
 
     The equations of motion are linear in the latter, so that what they say of a sum of nuisances is no curved ridge.
@@ -25,7 +25,7 @@ def change_body(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
     )
     square, changed_square = dot(rho, rho), dot(changed_rho, changed_rho)
     for i in range(3):
-        before = contact_row(jaw, mass, rho, square, i)
+        before = _contact_row(jaw, mass, rho, square, i)
         for k in range(3):
             inertia = before[k] + share * nuisances.inertia[j, 3 * i + k]
             there = (changed_square if i == k else 0.0) - changed_rho[i] * changed_rho[k]
@@ -38,7 +38,7 @@ def change_body(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
 @njit
 def change_jaw(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
     """``changed`` = ``jaw`` with nuisance j at ``share`` sds."""
-    change_body(jaw, nuisances, j, share, changed)
+    _change_body(jaw, nuisances, j, share, changed)
     changed.fossa_drop = jaw.fossa_drop + share * nuisances.fossa_drop[j]
     changed.fossa_frequency = jaw.fossa_frequency + share * nuisances.fossa_frequency[j]
     changed.crest = pi / changed.fossa_frequency
@@ -98,17 +98,17 @@ def move_jaw(jaw: Jaw, nuisances: Nuisances, steps, first):
     mass, rho = jaw.mass, vector3(jaw.centre_of_mass)
     square = dot(rho, rho)
     inertia = (
-        contact_row(jaw, mass, rho, square, 0),
-        contact_row(jaw, mass, rho, square, 1),
-        contact_row(jaw, mass, rho, square, 2),
+        _contact_row(jaw, mass, rho, square, 0),
+        _contact_row(jaw, mass, rho, square, 1),
+        _contact_row(jaw, mass, rho, square, 2),
     )
     for line in range(jaw.l_o.shape[0]):
         jaw.l_o[line] = norm(subtract(row3(jaw.origin, line), row3(jaw.insertion, line)))
-    set_inverse(inertia, jaw.inertia_contact_inverse)
+    _set_inverse(inertia, jaw.inertia_contact_inverse)
 
 
 @njit
-def contact_row(jaw: Jaw, mass, rho, square, i):
+def _contact_row(jaw: Jaw, mass, rho, square, i):
     """Row i of the inertia about the contact point."""
     return (
         jaw.inertia[i, 0] + mass * ((square if i == 0 else 0.0) - rho[i] * rho[0]),
@@ -118,7 +118,7 @@ def contact_row(jaw: Jaw, mass, rho, square, i):
 
 
 @njit
-def set_inverse(matrix, inverse):
+def _set_inverse(matrix, inverse):
     """Into ``inverse`` (3, 3) that of a matrix as three rows; of pitch alone where yaw and roll are held."""
     if inverse[2, 2] == 0.0:
         inverse[1, 1] = 1.0 / matrix[1][1]

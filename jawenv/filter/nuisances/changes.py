@@ -60,7 +60,7 @@ def nuisance_scratch_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
 
 
 @njit
-def line_change(jaw: Jaw, muscles, nuisances: Nuisances, j, contact, body_to_head):
+def _line_change(jaw: Jaw, muscles, nuisances: Nuisances, j, contact, body_to_head):
     """The derivative of force and moment (head axes) of the line whose ends nuisance j moves, by one sd of it.
 
     T = F_o exp(b (l / l_o - 1)) along e = v / l, with v from the insertion to the origin: dl = e dv, de = (dv - e dl) /
@@ -80,7 +80,7 @@ def line_change(jaw: Jaw, muscles, nuisances: Nuisances, j, contact, body_to_hea
 
 
 @njit
-def body_change(changed: Jaw, muscles, at, base):
+def _body_change(changed: Jaw, muscles, at, base):
     """The derivative of ``left_over``, ``base`` at the arguments ``at``, by what ``changed`` has ``STEP`` sds of."""
     x, y, moment = left_over(changed, muscles, *at)
     return (x - base[0]) / STEP, (y - base[1]) / STEP, scale(1.0 / STEP, subtract(moment, base[2]))
@@ -108,16 +108,16 @@ def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench
             continue
         x, y, moment = 0.0, 0.0, (0.0, 0.0, 0.0)
         if nuisances.line[j] >= 0:
-            force, moment = line_change(jaw, muscles, nuisances, j, contact, body_to_head)
+            force, moment = _line_change(jaw, muscles, nuisances, j, contact, body_to_head)
             x, y, moment = force[0] + slope * force[2], force[1], apply_transposed(body_to_head, moment)
         elif nuisances.moves[j]:
             change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
             if apart and nuisances.at_rest[j]:
-                x, y, moment = body_change(scratch.jaw, muscles, still, base_still)
+                x, y, moment = _body_change(scratch.jaw, muscles, still, base_still)
             else:
-                x, y, moment = body_change(scratch.jaw, muscles, moving, base_moving)
+                x, y, moment = _body_change(scratch.jaw, muscles, moving, base_moving)
             if apart and not nuisances.at_rest[j]:
-                x_rest, y_rest, moment_rest = body_change(scratch.jaw, muscles, still, base_still)
+                x_rest, y_rest, moment_rest = _body_change(scratch.jaw, muscles, still, base_still)
                 x, y, moment = x - x_rest, y - y_rest, subtract(moment, moment_rest)
         pull, moment = at_mouthpiece(jaw, pose, x, y, moment)
         # The reading is of axes that are turned, and has an offset.
@@ -194,7 +194,7 @@ def _all_readings(settings):
 
 
 @where(_has_memory, otherwise=_all_readings)
-def readings_of_nuisances(settings: FilterSettings):
+def _readings_of_nuisances(settings: FilterSettings):
     """How many of the readings a nuisance changes: those of the pose alone where ``is_apart``."""
     return N_POSE
 
@@ -221,14 +221,14 @@ def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: Fil
 def add_nuisance_readings(jaw: Jaw, belief: Belief, settings: FilterSettings, used, scratch):
     """``add_readings`` where there are nuisances, compiled only then."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
-    rows = scratch.by_tension_rows[: readings_of_nuisances(settings)]
+    rows = scratch.by_tension_rows[: _readings_of_nuisances(settings)]
     add_readings(jaw, belief.predicted, settings.nuisances, used, first, rows, scratch.nuisances)
 
 
 @where(has_nuisances)
 def correct_samples(jaw: Jaw, belief: Belief, settings: FilterSettings, samples, scratch):
     """Correct the ``samples`` (3, 6) of the force by the nuisances' means, compiled where there are nuisances."""
-    correct_offsets(belief, settings.nuisances, samples)
+    _correct_offsets(belief, settings.nuisances, samples)
     if has_motors(settings.nuisances):
         correct_motors(jaw, belief, settings, samples, scratch)
 
@@ -241,7 +241,7 @@ def follow_friction(jaw: Jaw, belief: Belief, settings: FilterSettings, scratch)
 
 
 @njit
-def correct_offsets(belief: Belief, nuisances: Nuisances, samples):
+def _correct_offsets(belief: Belief, nuisances: Nuisances, samples):
     """Turn the load cell's ``samples`` (3, 6) back and take its offset away, as far as the belief knows both."""
     for j in range(nuisances.mass.shape[0]):
         mean = belief.nuisances[j]

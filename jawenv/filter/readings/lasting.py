@@ -69,7 +69,7 @@ def speed_of(jaw: Jaw, motion):
 
 
 @njit
-def carried_force(jaw: Jaw, belief: Belief):
+def _carried_force(jaw: Jaw, belief: Belief):
     """What the device and gravity pull at the jaw, N."""
     trend = belief.trend
     return sqrt(trend[0] * trend[0] + trend[1] * trend[1] + trend[2] * trend[2]) + jaw.mass * -jaw.gravity[2]
@@ -93,7 +93,7 @@ def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
         noise += settings.wrench_variance[k] / 3.0
         if settings.disturbance_variance.shape[0] > 0:
             noise += settings.disturbance_variance[k] / (1.0 - settings.disturbance_decay**2) / 3.0
-    error = settings.doubt * carried_force(jaw, belief)
+    error = settings.doubt * _carried_force(jaw, belief)
     return noise / (noise + ticks * error * error)
 
 
@@ -105,7 +105,7 @@ def add_lasting_noise(jaw: Jaw, belief: Belief, settings: FilterSettings, varian
     ticks that the jaw takes for that way: a maneuver that stays where it is learns no more than it sees.
     """
     ticks = min(ALIKE / (settings.dt * max(speed_of(jaw, belief.motion), SLOWEST)), MOST_TICKS)
-    error = settings.lasting * carried_force(jaw, belief)
+    error = settings.lasting * _carried_force(jaw, belief)
     for k in range(3):
         variance[k] += ticks * error * error
         variance[3 + k] += ticks * error * error * LASTING_ARM * LASTING_ARM

@@ -54,13 +54,13 @@ def rough_change(cell_sd: NDArray[np.float64], dt: float) -> NDArray[np.float64]
 
 
 @njit
-def in_range(value, largest):
+def _in_range(value, largest):
     """Whether ``value`` is a number of at most this magnitude."""
     return abs(value) <= largest
 
 
 @njit
-def common_step(step, change, noise):
+def _common_step(step, change, noise):
     """The largest step of which ``step`` and ``change`` are multiples; 0 where noise hides it, and then for ever."""
     change = abs(change)
     if step == 0.0 or not change > 0.0:
@@ -82,7 +82,7 @@ def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, sc
     last, steps, repeats = belief.last_measured, belief.encoder_step, belief.repeats
     ranges = (POSITION, ANGLE, VELOCITY, RATE)
     for i in range(measured.shape[0]):
-        good = in_range(measured[i], ranges[i // 3])
+        good = _in_range(measured[i], ranges[i // 3])
         if good and measured[i] == last[i]:
             repeats[i] += 1.0
             if steps[i] != 0.0 and not expected_known:
@@ -95,8 +95,8 @@ def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, sc
             good = repeats[i] < inf
         elif good:
             repeats[i] = 0.0
-            if in_range(last[i], ranges[i // 3]):
-                steps[i] = common_step(steps[i], measured[i] - last[i], ENCODER_SDS[i // 3])
+            if _in_range(last[i], ranges[i // 3]):
+                steps[i] = _common_step(steps[i], measured[i] - last[i], ENCODER_SDS[i // 3])
         scratch.used[i] = 1 if settings.used[i] and good else 0
         if settings.used[i] and not good:
             left_out += 1
@@ -105,7 +105,7 @@ def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, sc
 
 
 @njit
-def has_moved_on(jaw: Jaw, belief: Belief, changed):
+def _has_moved_on(jaw: Jaw, belief: Belief, changed):
     """Whether the believed mouthpiece has moved by ``STILL`` since the load cell last ``changed``."""
     pose, at = belief.motion, belief.unchanged_at
     places = 3 if jaw.condyles == 2 else 2
@@ -136,8 +136,8 @@ def mark_frozen(jaw: Jaw, belief: Belief, samples, settings: FilterSettings, fro
         frozen[k] = 1 if first == middle and middle == last and settings.cell_repeats[k] == 0 else 0
         changed = changed or not frozen[k]
         for change in (middle - first, last - middle):
-            belief.cell_step[k] = common_step(belief.cell_step[k], change, WRENCH_SDS[k // 3])
-    moved_on = has_moved_on(jaw, belief, changed)
+            belief.cell_step[k] = _common_step(belief.cell_step[k], change, WRENCH_SDS[k // 3])
+    moved_on = _has_moved_on(jaw, belief, changed)
     for k in range(samples.shape[1]):
         if belief.cell_step[k] != 0.0 and not moved_on:
             frozen[k] = 0
@@ -163,7 +163,7 @@ def repair_samples(belief: Belief, samples, frozen, dt, variance, usable):
     for k in range(samples.shape[1]):
         good = not frozen[k]
         for i in range(samples.shape[0]):
-            good = good and in_range(samples[i, k], FORCE if k < 3 else MOMENT)
+            good = good and _in_range(samples[i, k], FORCE if k < 3 else MOMENT)
         if good:
             held_sample[k], lost_for[k] = samples[samples.shape[0] - 1, k], 0.0
         else:

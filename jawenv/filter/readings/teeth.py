@@ -24,11 +24,11 @@ def bite_of(jaw: Jaw, motion, nearer=0.0):
     """Force (N) with which the teeth press, or would press if they were ``nearer`` (m)."""
     first = 3 if jaw.condyles == 2 else 2  # of the angles
     pose = (motion[0], motion[1], motion[first], motion[first + 1], motion[first + 2])
-    return bite_at(jaw, contact_point(jaw, pose)[2] + nearer, rotation(pose))
+    return _bite_at(jaw, contact_point(jaw, pose)[2] + nearer, rotation(pose))
 
 
 @njit
-def bite_at(jaw: Jaw, height, body_to_head):
+def _bite_at(jaw: Jaw, height, body_to_head):
     """Force (N) of the teeth with the contact point so high (m)."""
     bite = 0.0
     for i in range(N_TEETH):
@@ -52,7 +52,7 @@ def bite_read(jaw: Jaw, measured, nearer):
     """
     body_to_head = rotation((0.0, 0.0, measured[3], measured[4], measured[5]))
     height = measured[2] + (0.0 if jaw.condyles == 2 else jaw.zero[2])
-    return bite_at(jaw, height - apply(body_to_head, vector3(jaw.mouthpiece))[2] + nearer, body_to_head)
+    return _bite_at(jaw, height - apply(body_to_head, vector3(jaw.mouthpiece))[2] + nearer, body_to_head)
 
 
 @njit

@@ -66,7 +66,7 @@ def is_early(belief: Belief):
 
 
 @njit
-def coast(start, dt, after):
+def _coast(start, dt, after):
     """The pose after ``dt`` at the rates of ``start``, into the first half of ``after``."""
     half = after.shape[0] // 2
     first = half - 3  # of the angles
@@ -88,7 +88,7 @@ def predict_from_past(jaw: Jaw, belief: Belief, dt, scratch):
     for i in range(instrument.motion.shape[0]):
         instrument.motion[i] = scratch.start_motion[i]
     if is_early(belief):
-        coast(scratch.start_motion, dt, instrument.motion)
+        _coast(scratch.start_motion, dt, instrument.motion)
         return
     for i in range(N_SAMPLES):
         for k in range(N_WRENCH):

@@ -74,7 +74,7 @@ def update_scratch_dtype(n_muscles: int, n_lines: int, n_motion: int, n_nuisance
 
 
 @njit
-def set_innovation(jaw: Jaw, motion, measured, variances, used, scratch: UpdateScratch):
+def _set_innovation(jaw: Jaw, motion, measured, variances, used, scratch: UpdateScratch):
     """Innovations, rows and variances of the readings in use."""
     expect(jaw, motion, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
@@ -87,7 +87,7 @@ def set_innovation(jaw: Jaw, motion, measured, variances, used, scratch: UpdateS
 
 
 @njit
-def set_factor(covariance, scratch: UpdateScratch):
+def _set_factor(covariance, scratch: UpdateScratch):
     """S = H P H^T + R into the lower half of ``factor``; H P into ``whitened_motion``, not whitened yet."""
     rows, factor, moved = scratch.rows, scratch.factor, scratch.whitened_motion
     multiply(rows, covariance, moved)
@@ -116,7 +116,7 @@ def squared_length(scratch: UpdateScratch):
 @njit
 def normalised_innovation(belief: Belief, scratch: UpdateScratch):
     """NIS given the parameters' mean; leaves ``factor``. Infinite if S is not positive definite."""
-    set_factor(belief.motion_cov, scratch)
+    _set_factor(belief.motion_cov, scratch)
     if not decompose(scratch.factor):
         return inf
     value = squared_length(scratch)
@@ -133,11 +133,11 @@ def add_muscles(belief: Belief, scratch: UpdateScratch):
         for j in range(i + 1):
             for k in range(scratch.spread.shape[1]):
                 scratch.factor[i, j] += scratch.spread[i, k] * scratch.by_log_rows[j, k]
-    add_nuisances(belief, scratch)
+    _add_nuisances(belief, scratch)
 
 
 @njit
-def add_nuisances(belief: Belief, scratch: UpdateScratch):
+def _add_nuisances(belief: Belief, scratch: UpdateScratch):
     """Add the same due to gain error and nuisances at given tensions."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1]
     rows, turned = scratch.by_tension_rows, scratch.whitened_nuisances
@@ -159,7 +159,7 @@ def judge_innovation(belief: Belief, start_sd, scratch: UpdateScratch):
         return EXPECTED
     explained = False
     if nis < inf:
-        set_factor(belief.motion_cov, scratch)
+        _set_factor(belief.motion_cov, scratch)
         add_muscles(belief, scratch)
         explained = decompose(scratch.factor) and (squared_length(scratch) <= GATE or belief.refused >= PATIENCE)
         if not explained:
@@ -173,7 +173,7 @@ def judge_innovation(belief: Belief, start_sd, scratch: UpdateScratch):
 
 
 @njit
-def is_wide(belief: Belief):
+def _is_wide(belief: Belief):
     """Whether a parameter is so uncertain that an exponential law is far from what its derivative says."""
     largest = 0.0
     for i in range(belief.cov.shape[0]):
@@ -195,18 +195,18 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, weight, settings: Fi
             nuisances (``FilterSettings``).
         scratch: Working memory.
     """
-    set_innovation(jaw, belief.motion, measured, settings.measurement_variance, used, scratch)
+    _set_innovation(jaw, belief.motion, measured, settings.measurement_variance, used, scratch)
     set_rows_of_past(jaw, belief, used, scratch)
     if settings.motion_only:
         verdict = judge_innovation(belief, settings.start_sd, scratch)
-        correct_state(belief, scratch)
+        _correct_state(belief, scratch)
         return verdict
     multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
     add_nuisance_readings(jaw, belief, settings, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)
     # On two condyles it saves nobody, and a jaw that is held against its stops is then believed; so are slack straps.
     alone = jaw.condyles == 1 and belief.nuisances.shape[0] == 0
-    belief.refused = belief.refused + 1 if alone and verdict == REFUSED and is_wide(belief) else 0
+    belief.refused = belief.refused + 1 if alone and verdict == REFUSED and _is_wide(belief) else 0
     correct_motion(belief, scratch)
     if weight > 0.0 and verdict != REFUSED:
         add_information(belief, weight, scratch)
@@ -216,13 +216,13 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, weight, settings: Fi
 @njit
 def correct_motion(belief: Belief, scratch: UpdateScratch):
     """Kalman update of motion, covariance and derivative by the tensions, given ``factor``."""
-    correct_state(belief, scratch)
+    _correct_state(belief, scratch)
     whiten(scratch.factor, scratch.by_tension_rows)
     subtract_product(scratch.gain, scratch.by_tension_rows, belief.by_tension)
 
 
 @njit
-def correct_state(belief: Belief, scratch: UpdateScratch):
+def _correct_state(belief: Belief, scratch: UpdateScratch):
     """Kalman update of motion and covariance, given ``factor``; leaves ``gain``."""
     whitened, innovation, gain = scratch.whitened_motion, scratch.whitened_innovation, scratch.gain
     whiten(scratch.factor, whitened)

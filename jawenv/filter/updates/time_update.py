@@ -112,7 +112,7 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
     set_total(scratch.step.total, settings.disturbance_decay, scratch.total)
     predict_cov(belief.motion_cov, noise_variance, scratch)
     if jaw.condyles == 2:
-        add_impulse(belief.motion_cov, samples, noise_variance, dt, scratch.step.linear.by_input)
+        _add_impulse(belief.motion_cov, samples, noise_variance, dt, scratch.step.linear.by_input)
     decay_disturbance(belief, settings)
     if settings.motion_only:
         return
@@ -145,14 +145,14 @@ def set_inertia_column(jaw: Jaw, belief: Belief, pose, dt, scratch: TimeScratch)
     if jaw.condyles == 2 or belief.nuisances.shape[0] > 0:
         return
     (_, u), (_, after) = split(scratch.start_motion), split(scratch.instrument.motion)
-    set_accelerating(jaw, pose, rate_of(u, after, dt), scratch.accelerating)
+    set_accelerating(jaw, pose, _rate_of(u, after, dt), scratch.accelerating)
     column = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     for k in range(N_WRENCH):
         scratch.line_wrench[k, column] = scratch.accelerating[k]
 
 
 @njit
-def rate_of(before, after, dt):
+def _rate_of(before, after, dt):
     """What five numbers change by in a second, from those ``before`` to those ``after`` ``dt``."""
     return (
         (after[0] - before[0]) / dt,
@@ -184,7 +184,7 @@ def predict_cov(covariance, noise_variance, scratch: TimeScratch):
 
 
 @njit
-def add_impulse(covariance, samples, noise_variance, dt, by_wrench):
+def _add_impulse(covariance, samples, noise_variance, dt, by_wrench):
     """Add to the motion's covariance (n, n) what a wrench that changes within the tick may do on two discs.
 
     ``by_wrench`` (n / 2, 6) is the derivative of the accelerations. Two of a body's six motions bounce on the discs by

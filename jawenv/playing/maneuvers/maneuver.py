@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from jawenv.checks import real_number
+from jawenv.base.errors import InputError, meant, shown
+from jawenv.base.files import InputModel, Number, Text, read_model
+from jawenv.base.numeric_fields import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST, TRACKER
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import parameters_of
 from jawenv.envs.world.tracking import follow_all
-from jawenv.errors import InputError, meant, shown
-from jawenv.files import InputModel, Number, Text, read_model
 from jawenv.playing.agents import Action, Array, Mask, Memory, Observation, Remembering
 from jawenv.playing.maneuvers.signals import SHORTEST_S, AnySignal, KeyframePoint, Keyframes, Signal
 

@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from scipy.interpolate import BPoly
 from scipy.signal import max_len_seq
 
-from jawenv.files import InputModel, Number
+from jawenv.base.files import InputModel, Number
 from jawenv.playing.agents import Array
 
 LONGEST_S = 3600.0

@@ -17,10 +17,10 @@ from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, JsonValue, model_validator
 
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import InputModel, Number, read_mapping, validate
 from jawenv.controls import Control
 from jawenv.envs.configuration import Configuration, Sensors
-from jawenv.errors import InputError, shown
-from jawenv.files import InputModel, Number, read_mapping, validate
 from jawenv.playing.maneuvers import Maneuver
 
 FORMAT_VERSION: Final = 1

@@ -15,8 +15,8 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from gymnasium.vector.utils import batch_space
 
+from jawenv.base.errors import InputError
 from jawenv.controls import Control
-from jawenv.errors import InputError
 from jawenv.playing.agents import Action, Agent, Mask, Memory, Observation, Remembering
 
 Batch = tuple[Observation, dict[str, Any]]

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.checks import real_number
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import FASTEST_TARGET, TRACKER
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import OBSERVATION_REST
 from jawenv.envs.world.tracking import follow_all
-from jawenv.errors import InputError, shown
 from jawenv.playing.agents import Action, Observation
 from jawenv.playing.maneuvers.maneuver import checked_parameters, goals_of
 

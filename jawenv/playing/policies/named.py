@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from jawenv.base.errors import InputError
 from jawenv.controls import CONTROLS, Control, control_of
-from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV, model_of_env
 from jawenv.playing.agents import Agent
 from jawenv.playing.excitation import BASELINES

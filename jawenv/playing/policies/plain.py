@@ -12,10 +12,11 @@ from safetensors import SafetensorError
 from safetensors.numpy import load
 from scipy.special import expit
 
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write
+from jawenv.base.reading import read_bytes
 from jawenv.controls import Control
 from jawenv.envs.observation import observation_size
-from jawenv.errors import InputError
-from jawenv.files import atomic_write
 from jawenv.ladder import model_of_env
 from jawenv.playing.agents import (
     Action,
@@ -32,7 +33,6 @@ from jawenv.playing.agents import (
 from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, ModelCard, read_card
 from jawenv.playing.policies.following import decision_hz
 from jawenv.playing.policies.residual import N_FEATURES, BaseTargets, ResidualPolicy
-from jawenv.reading import read_bytes
 
 LARGEST_WEIGHTS = 256 * 2**20
 """Bytes."""

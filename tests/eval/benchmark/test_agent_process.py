@@ -9,8 +9,8 @@ import pytest
 from eval.benchmark import agent_process
 from eval.benchmark.agent_process import AgentProcess, load_apart
 from eval.benchmark.tasks import TASKS
+from jawenv.base.errors import InputError
 from jawenv.envs.info import WorldReader
-from jawenv.errors import InputError
 from jawenv.playing.rollout import play
 from tests.eval.benchmark.conftest import play as play_benchmark
 

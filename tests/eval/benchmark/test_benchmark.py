@@ -20,7 +20,7 @@ from eval.commands.benchmark import BASELINES
 from eval.kept.cells import play_cells
 from eval.kept.entries import Entry
 from eval.kept.parts import Run
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
 from tests.eval.benchmark.conftest import CIRCLES, play
 from tests.eval.runs import save_run

@@ -7,7 +7,7 @@ import pytest
 
 from eval.benchmark import fresh
 from eval.commands.app import main
-from jawenv.files import read_model
+from jawenv.base.files import read_model
 
 KEY = bytes(32)
 

@@ -7,7 +7,7 @@ import pytest
 from eval.benchmark.tables import task_row
 from eval.benchmark.tasks import TASKS, VERSION, digest, tasks_named
 from eval.kept.entries import Settings
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 
 def test_the_tasks_are_those_of_their_version():

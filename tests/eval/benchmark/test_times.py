@@ -8,7 +8,7 @@ import pytest
 from eval.benchmark.tasks import TASKS
 from eval.kept.entries import load_entry
 from eval.rows.times import Times, restricted, within_for_good
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from tests.metrics.linear_gaussian import linear_gaussian
 
 

@@ -6,8 +6,8 @@ import pytest
 from eval.commands.app import main
 from eval.comparison import results
 from eval.comparison.card_results import card_results
-from jawenv.errors import InputError
-from jawenv.files import read_model
+from jawenv.base.errors import InputError
+from jawenv.base.files import read_model
 from jawenv.playing.policies.card import ResultsFile
 from tests.eval.studies import GOOD, TRAINED, study
 

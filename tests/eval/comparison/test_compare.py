@@ -15,8 +15,8 @@ from eval.kept.entries import Settings, env_of_runs, load_entries
 from eval.kept.parts import Run
 from eval.studies.design import Design
 from eval.studies.grid import cells_of
+from jawenv.base.errors import InputError
 from jawenv.envs.configuration import configure
-from jawenv.errors import InputError
 from jawenv.playing.policies.card import CARD, Environment
 from tests.eval.runs import save_checkpoint
 from tests.plain_policies import write_policy

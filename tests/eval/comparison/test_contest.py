@@ -12,7 +12,7 @@ from eval.comparison.results import Results
 from eval.figures.statistics import ratio_over_both
 from eval.kept.entries import Settings
 from eval.kept.tables import made_with
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.policies.card import card_of
 
 PATIENTS = 40

@@ -10,7 +10,7 @@ from eval.figures import words
 from eval.figures.catalogue import DIFFERENCE
 from eval.figures.statistics import Interval
 from eval.report import first, table
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.metrics import nees_band
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, TRAINED, study
 

@@ -4,7 +4,7 @@ import pytest
 
 from eval.comparison import results
 from eval.rows.outcomes import EARLY_METRICS, outcomes_of
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from tests.eval.studies import BOASTFUL, GOOD, study
 from tests.metrics.linear_gaussian import linear_gaussian
 

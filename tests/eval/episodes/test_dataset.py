@@ -10,7 +10,7 @@ import pytest
 from agents import load_agent
 from eval.commands.app import main
 from eval.episodes.croissant import FILE, write_croissant
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.rollout import play
 
 SMALL = ("--env", "JawHinge", "--patients", "2", "--episode-s", "1")

@@ -7,8 +7,8 @@ import pytest
 
 from agents.sampling_planner import SamplingPlanner
 from eval.commands.app import main
+from jawenv.base.seeds import REPLAYS
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.seeds import REPLAYS
 
 SHORT = ["--patients", "2", "--episode-s", "2"]
 

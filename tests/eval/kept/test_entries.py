@@ -13,9 +13,9 @@ from safetensors.numpy import save
 from eval.commands.app import main
 from eval.kept.digest import fingerprint
 from eval.kept.entries import Settings, env_of_runs, load_entries
+from jawenv.base.errors import InputError
+from jawenv.base.files import write_json
 from jawenv.envs.observation import observation_size
-from jawenv.errors import InputError
-from jawenv.files import write_json
 from jawenv.ladder import model_of_env
 from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
 from tests.eval.runs import save_run

@@ -11,8 +11,8 @@ from eval.commands.app import main
 from eval.kept import digest as kept
 from eval.kept.digest import fingerprint
 from eval.kept.entries import Settings, load_entries
-from jawenv import versions
 from jawenv.anatomy import cohort
+from jawenv.base import versions
 from tests.eval.runs import save_checkpoint, save_run
 from tests.plain_policies import write_corrector
 

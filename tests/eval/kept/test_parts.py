@@ -13,10 +13,10 @@ import pytest
 from rich.console import Console
 
 from eval.kept.parts import Part, Run, finish, parts_of
-from jawenv.errors import InputError
-from jawenv.files import atomic_write
-from jawenv.locks import alone
-from jawenv.progress import Progress
+from jawenv.base.errors import InputError
+from jawenv.base.files import atomic_write
+from jawenv.base.locks import alone
+from jawenv.base.progress import Progress
 from tests.processes import started
 
 ROOT = Path(__file__).parents[3]

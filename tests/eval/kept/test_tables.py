@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from eval.kept.tables import read_table, write_table
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 ABOUT = {"command": "eval compare", "seeds": [500, 501]}
 

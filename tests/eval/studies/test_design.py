@@ -10,11 +10,11 @@ from eval.studies import design
 from eval.studies.design import Design
 from eval.studies.grid import FACTORS, cells_of
 from jawenv import COHORTS
+from jawenv.base.errors import InputError
+from jawenv.base.seeds import REPORTS
 from jawenv.device.force_sensor import FORCE_SENSORS
-from jawenv.errors import InputError
 from jawenv.ladder import MODELS
 from jawenv.reality import Reality
-from jawenv.seeds import REPORTS
 
 SMALL = {"title": "Small", "entries": ["hold_still", "chirp"], "patients": 2, "seed": 5000, "episode_s": 1.0}
 

@@ -16,7 +16,7 @@ from eval.kept.cells import play_cells
 from eval.kept.parts import Run, finish
 from eval.studies import grid
 from eval.studies.design import Design
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from tests.eval.kept.test_parts import parts_in, refuse
 
 SMALL = {

@@ -8,7 +8,7 @@ from scipy.stats import beta, chi2
 
 from eval.thesis.prescribed import PrescribedMotion, with_noise
 from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_record, sampled_record
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
 from jawenv.filter.model.joint_step import propagate
 from jawenv.recordings.thinning import divided, thinned

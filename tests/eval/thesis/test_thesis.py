@@ -14,7 +14,7 @@ from eval.thesis.histograms import histograms
 from eval.thesis.item import Item, Judgement, one_by_one
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.anatomy.muscles import known_muscle_sets
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 SETS = known_muscle_sets()
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 import jawenv
+from jawenv.base.errors import InputError
+from jawenv.base.files import validate, write_json
 from jawenv.envs.configuration import configure
-from jawenv.errors import InputError
-from jawenv.files import validate, write_json
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.card import CARD, Environment, ModelCard, card_of, policy_folder, read_card
 from tests.plain_policies import fields

@@ -8,8 +8,8 @@ import pytest
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 
+from jawenv.base.errors import InputError
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
-from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.controller import ControlledAgent, ControlledWorlds
 from jawenv.playing.policies.following import TargetsLaw

@@ -6,8 +6,8 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from jawenv.base.errors import InputError
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
-from jawenv.errors import InputError
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import DECISION_HZ, TargetsLaw, decision_hz
 

@@ -5,10 +5,10 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
+from jawenv.base.seeds import REPORTS
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.card import SHIPPED, policy_folder, policy_names, read_card
-from jawenv.seeds import REPORTS
 
 
 def test_they_have_names() -> None:

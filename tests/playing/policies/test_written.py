@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 from jawenv.playing.policies import plain
 from jawenv.playing.policies.card import CARD, read_card
 from jawenv.playing.policies.plain import read_weights, write_policy

@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from eval.thesis.methods.point_kinematics import compatible_range, mouthpiece
-from jawenv.errors import InputError
+from jawenv.base.errors import InputError
 
 LOW = np.array([0.0, -3e-3, 0.0, -0.1, -0.1])
 HIGH = np.array([1.2e-2, 3e-3, 0.45, 0.1, 0.1])

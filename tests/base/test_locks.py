@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 
-from jawenv.errors import InputError
-from jawenv.locks import alone
+from jawenv.base.errors import InputError
+from jawenv.base.locks import alone
 from tests.processes import started
 
 HOLDS = """
 import sys
 from pathlib import Path
-from jawenv.locks import alone
+from jawenv.base.locks import alone
 
 with alone(Path(sys.argv[1])):
     print("held", flush=True)

@@ -8,9 +8,7 @@ import re
 import sys
 from typing import Any
 
-from jawenv.errors import InputError, MissingPackageError
-
-__all__ = ["add_current_folder", "import_named", "is_named", "no_module", "reason"]
+from jawenv.base.errors import InputError, MissingPackageError
 
 _SPEC = re.compile(r"(?P<module>[^\W\d]\w*(?:\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
 

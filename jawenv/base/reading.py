@@ -13,9 +13,7 @@ import zipfile
 from collections.abc import Iterator
 from typing import BinaryIO
 
-from jawenv.errors import InputError
-
-__all__ = ["LARGEST_DATA", "LARGEST_TEXT", "open_file", "read_bytes", "read_member", "read_text"]
+from jawenv.base.errors import InputError
 
 MIB = 2**20
 LARGEST_TEXT = 8 * MIB

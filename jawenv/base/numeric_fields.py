@@ -1,23 +1,40 @@
-"""Settings that are numbers: each field says once what it is without, how large it may be, and in which unit."""
+"""Numbers from outside, and settings that are numbers: each field says once its default, its range and its unit."""
 
 from __future__ import annotations
 
+import math
+import numbers
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from math import pi
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.checks import real_number
-from jawenv.errors import InputError, shown
-from jawenv.files import read_into
+from jawenv.base.errors import InputError, shown
+from jawenv.base.files import read_into
 
-__all__ = ["NumericField", "NumericFields", "number"]
 
-_TO_SI = {"mm": (1.0, 1e3), "mm/s": (1.0, 1e3), "ms": (1.0, 1e3), "deg": (pi / 180.0, 1.0)}
+def real_number(value: object) -> float | None:
+    """A finite real number as a float; None for anything else, such as a bool, a complex number, text or NaN."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def whole_number(value: object) -> int | None:
+    """An integer as an int; None for anything else, such as a bool or 2.0."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        return None
+    return int(value)
+
+
+_TO_SI = {"mm": (1.0, 1e3), "mm/s": (1.0, 1e3), "ms": (1.0, 1e3), "deg": (math.pi / 180.0, 1.0)}
 """Factor and divisor of a unit, from it to SI units."""
 
 

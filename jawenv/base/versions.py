@@ -10,8 +10,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-__all__ = ["PACKAGES", "made_with", "package_versions"]
-
 PACKAGES = (
     "jawenv",
     "gymnasium",
@@ -45,7 +43,7 @@ def made_with(**more: Any) -> dict[str, Any]:
     where there is no clone, or no git.
     """
     versions = {"python": platform.python_version(), **package_versions()}
-    return {**more, "versions": versions, "git": _git_state(Path(__file__).parents[1]), "machine": _machine()}
+    return {**more, "versions": versions, "git": _git_state(Path(__file__).parents[2]), "machine": _machine()}
 
 
 def _git_state(clone: Path) -> dict[str, Any] | None:

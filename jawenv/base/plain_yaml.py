@@ -7,9 +7,7 @@ from typing import Any
 
 import yaml
 
-from jawenv.errors import shown
-
-__all__ = ["parse"]
+from jawenv.base.errors import shown
 
 MOST_VALUES = 200_000
 """Values in a text, where each alias counts as all that it stands for."""

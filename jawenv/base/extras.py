@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from jawenv.errors import MissingPackageError
-
-__all__ = ["needs"]
+from jawenv.base.errors import MissingPackageError
 
 
 @contextmanager

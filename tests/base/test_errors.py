@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jawenv.checks import real_number, whole_number
-from jawenv.errors import LONGEST_SHOWN_VALUE, InputError, not_among, shown
+from jawenv.base.errors import LONGEST_SHOWN_VALUE, InputError, not_among, shown
+from jawenv.base.numeric_fields import real_number, whole_number
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from pydantic import Field
 
-from jawenv.errors import InputError
-from jawenv.files import InputModel, Number, Text, atomic_write, read_mapping, read_model, validate, write_json
+from jawenv.base.errors import InputError
+from jawenv.base.files import InputModel, Number, Text, atomic_write, read_mapping, read_model, validate, write_json
 from jawenv.playing.maneuvers import Maneuver
 
 
@@ -136,8 +136,8 @@ def test_yaml_without_pyyaml_names_the_remedy(tmp_path: Path, monkeypatch: pytes
     path = tmp_path / "a.yaml"
     path.write_text("name: x")
     monkeypatch.setitem(__import__("sys").modules, "yaml", None)
-    monkeypatch.delitem(__import__("sys").modules, "jawenv.plain_yaml", raising=False)
-    monkeypatch.delattr("jawenv.plain_yaml", raising=False)
+    monkeypatch.delitem(__import__("sys").modules, "jawenv.base.plain_yaml", raising=False)
+    monkeypatch.delattr("jawenv.base.plain_yaml", raising=False)
     assert line(path) == "YAML files need the package pyyaml; JSON and TOML files do not"
 
 

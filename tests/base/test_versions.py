@@ -3,7 +3,7 @@
 import subprocess
 from pathlib import Path
 
-from jawenv import versions
+from jawenv.base import versions
 
 
 def git(folder: Path, *arguments: str) -> None:

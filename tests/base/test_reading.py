@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from jawenv.errors import InputError
-from jawenv.files import read_mapping
-from jawenv.reading import open_file, read_bytes, read_member, read_text
+from jawenv.base.errors import InputError
+from jawenv.base.files import read_mapping
+from jawenv.base.reading import open_file, read_bytes, read_member, read_text
 
 
 def refusal(path: Path) -> str:

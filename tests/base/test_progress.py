@@ -5,8 +5,8 @@ import io
 import pytest
 from rich.console import Console
 
-from jawenv import progress as module
-from jawenv.progress import Progress
+from jawenv.base import progress as module
+from jawenv.base.progress import Progress
 
 
 class Clock:

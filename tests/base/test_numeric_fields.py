@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jawenv.base.errors import InputError
+from jawenv.base.numeric_fields import NumericFields
 from jawenv.device.comfort_settings import Comfort
 from jawenv.device.device import DEVICE, Device
-from jawenv.errors import InputError
-from jawenv.numeric_fields import NumericFields
 from jawenv.reality import REALITY, Reality
 
 KINDS = pytest.mark.parametrize("kind", [Device, Reality, Comfort])

@@ -10,10 +10,8 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from jawenv.errors import InputError
-from jawenv.files import remove_unfinished
-
-__all__ = ["alone"]
+from jawenv.base.errors import InputError
+from jawenv.base.files import remove_unfinished
 
 
 @contextlib.contextmanager

@@ -16,25 +16,8 @@ from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationError
 
-from jawenv.errors import InputError, printable, shown
-from jawenv.reading import read_text
-
-__all__ = [
-    "FILE_TYPES",
-    "InputModel",
-    "Number",
-    "Source",
-    "Text",
-    "atomic_write",
-    "check_kept",
-    "instance_of",
-    "read_into",
-    "read_mapping",
-    "read_model",
-    "validate",
-    "write_json",
-    "write_text",
-]
+from jawenv.base.errors import InputError, printable, shown
+from jawenv.base.reading import read_text
 
 Source: TypeAlias = Mapping[str, Any] | str | os.PathLike[str]
 """A mapping of fields, or the path of a JSON, TOML or YAML file that holds one."""
@@ -258,7 +241,7 @@ def _parse_toml(text: str) -> Any:
 
 def _parse_yaml(text: str) -> Any:
     try:
-        from jawenv import plain_yaml
+        from jawenv.base import plain_yaml
     except ImportError:
         raise InputError("YAML files need the package pyyaml; JSON and TOML files do not") from None
     return plain_yaml.parse(text)

@@ -1,0 +1,1 @@
+"""Tools of every room that know nothing of jaws: errors, files and their guarded reading, fields, progress, seeds."""
