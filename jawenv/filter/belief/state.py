@@ -244,7 +244,7 @@ def begin_belief(basis: Basis, belief: Belief, log_parameters, prior_sd):
         belief.replayed_at[i] = log_parameters[i]
         belief.cov[i, i] = prior_sd[i] * prior_sd[i]
     _copy_basis(belief.basis, basis)
-    _begin_drift(belief.drift)
+    begin_drift(belief.drift)
     belief.misfit = 0.0
     belief.nuisances[:] = 0.0
     belief.nuisances_replayed_at[:] = 0.0
@@ -274,7 +274,7 @@ def begin_block(block: Block):
 
 
 @njit
-def _begin_drift(drift: Drift):
+def begin_drift(drift: Drift):
     """Nothing is kept."""
     drift.kept, drift.judged, drift.largest = 0, 0, 0.0
 
