@@ -14,6 +14,7 @@ from jawenv.metrics.calibration import alarm_rings, claimed_information, covered
 from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
 from jawenv.playing.recording import Recording
+from jawenv.recordings.untold.learnt import learnt_beliefs
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -159,6 +160,7 @@ def score(
     fibrosed_F_o_N: float = FIBROSED_F_O_N,
     blocked_b: float = BLOCKED_B,
     confidence: float = CONFIDENCE,
+    untold: bool = False,
 ) -> Score:
     """Judge a recording: precision, honesty, comfort and diagnosis of every patient when the episode ends.
 
@@ -170,6 +172,8 @@ def score(
             has that multiple.
         blocked_b: b above which a muscle is blocked.
         confidence: posterior probability from which on a diagnosis counts as made.
+        untold: whether the last belief learns the sizes of errors that nobody told the filter of, from `records`; what
+            is said of times before stays the filter's.
 
     Returns:
         The metrics per patient; `.summary()` aggregates them.
@@ -180,6 +184,8 @@ def score(
     if not sd_limit > 0.0:
         raise InputError(f"sd_limit is {sd_limit}; allowed: a value above 0")
     mean, cov = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
+    if untold:
+        mean, cov = learnt_beliefs(recording.records, mean, cov)
     truth, error = recording.truth, mean - recording.truth
     sd, bound_sd = np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1)), recording.at_end(recording.bound_sd)
     over_time = recording.of_asked(recording.belief_sd)
