@@ -3,7 +3,7 @@
     python -m research.untold --patients 48 --seed 388000 > docs/tables/untold.md
 
 Own movements, sines on all four channels, of 30 s. *Filter*: the belief at the end. *Learnt*: the same with sizes of
-errors that the recording itself shows (``jawenv.recordings.untold``). A row is printed as soon as it is there.
+errors that the recording itself shows (``jawenv.recordings.untold_errors``). A row is printed as soon as it is there.
 """
 
 import argparse
@@ -13,7 +13,7 @@ import numpy as np
 
 import jawenv
 from eval.figures import statistics, words
-from jawenv.recordings.untold.learnt import learnt
+from jawenv.recordings.untold_errors import learnt
 
 SECONDS = 30.0
 EFFECTS = {

@@ -14,7 +14,6 @@ from jawenv.metrics.calibration import alarm_rings, claimed_information, covered
 from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
 from jawenv.playing.recording import Recording
-from jawenv.recordings.untold.learnt import learnt_beliefs
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -185,6 +184,8 @@ def score(
         raise InputError(f"sd_limit is {sd_limit}; allowed: a value above 0")
     mean, cov = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
     if untold:
+        from jawenv.recordings.untold_errors import learnt_beliefs
+
         mean, cov = learnt_beliefs(recording.records, mean, cov)
     truth, error = recording.truth, mean - recording.truth
     sd, bound_sd = np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1)), recording.at_end(recording.bound_sd)

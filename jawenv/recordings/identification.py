@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from jawenv.recordings.online import OnlineFilter
 from jawenv.recordings.plausibility import Finding, findings
 from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import divided
-from jawenv.recordings.untold.learnt import Learnt, learnt
+
+if TYPE_CHECKING:
+    from jawenv.recordings.untold_errors import Learnt
 
 # What honest recordings stay below (python -m research.recordings).
 LARGEST_MISFIT = 1.0
@@ -75,7 +78,11 @@ def identified(record: Record, *, untold: bool = False) -> Identification:
             times.append(short.time[tick])
             means.append(belief.log_mean)
             covs.append(belief.log_cov)
-    last = learnt(short, belief.log_mean) if untold else None
+    last = None
+    if untold:
+        from jawenv.recordings.untold_errors import learnt
+
+        last = learnt(short, belief.log_mean)
     if last is not None:
         means[-1], covs[-1] = last.mean, last.cov
     encoders, cell = np.isfinite(short.measured), np.isfinite(short.samples).all(axis=1)

@@ -48,6 +48,11 @@ LEAVES = {
     "calibration tables": Leaf(
         ("eval/calibration/*", "eval/commands/calibration.py"), (EVAL,), ("tests/eval/calibration",)
     ),
+    "untold errors": Leaf(
+        ("jawenv/recordings/untold_*",),
+        ("jawenv/recordings/identification.py", "jawenv/metrics/score.py"),
+        ("tests/recordings",),
+    ),
     "patient's page": Leaf(
         ("eval/patient/*", "eval/commands/patient.py"), (EVAL, "jawenv/commands/recordings.py"), ("tests/eval/patient",)
     ),

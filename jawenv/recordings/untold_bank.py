@@ -13,8 +13,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.recordings.untold.blocks import Blocks
-from jawenv.recordings.untold.law import bends, tensions
+from jawenv.recordings.untold_blocks import Blocks
+from jawenv.recordings.untold_law import bends, tensions
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from jawenv.base.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.recordings.record import Record
-from jawenv.recordings.untold.bank import mixture
-from jawenv.recordings.untold.blocks import blocks_of
-from jawenv.recordings.untold.temperature import excess, joint_of
+from jawenv.recordings.untold_bank import mixture
+from jawenv.recordings.untold_blocks import blocks_of
+from jawenv.recordings.untold_temperature import excess, joint_of
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.recordings.untold.bank import Mixture
-from jawenv.recordings.untold.blocks import BLOCK_S, Blocks
-from jawenv.recordings.untold.law import bends, tensions
+from jawenv.recordings.untold_bank import Mixture
+from jawenv.recordings.untold_blocks import BLOCK_S, Blocks
+from jawenv.recordings.untold_law import bends, tensions
 
 Array = NDArray[np.float64]
 
