@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import IMAGED
+from jawenv.device.force_sensor import N_SHAPES
 from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.belief.state import (
     Belief,
@@ -19,7 +20,6 @@ from jawenv.filter.belief.state import (
 )
 from jawenv.filter.model.basis import N_NODES
 from jawenv.filter.nuisances.changed_jaw import move_jaw
-from jawenv.filter.nuisances.turned import N_SHAPES
 from jawenv.filter.nuisances.unknowns import FARTHEST, WRENCH_UNITS
 from jawenv.filter.tick import FilterScratch, begin_filter, filter_scratch_dtype, take_readings, tick_dtype
 from jawenv.kernels.compiled import njit
