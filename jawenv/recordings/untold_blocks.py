@@ -70,7 +70,7 @@ class Blocks:
         return values
 
     def sds(self, sizes: Array) -> Array:
-        """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``bank.SIZES``."""
+        """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``untold_bank.SIZES``."""
         others = self.score.shape[1] - self.tensions - 1 - N_OF_WRENCH
         scan, constant, shapes, _ = (sizes[:, j, None] for j in range(4))
         gain = np.full((len(sizes), 1), self.gain_sd)
