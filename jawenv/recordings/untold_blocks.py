@@ -79,16 +79,20 @@ class Blocks:
         return np.hstack([gain, known, *wrench])
 
 
-def blocks_of(record: Record, mean: Array) -> Blocks:
-    """The blocks of a recording, about what is most probable of all that the filter was told to be unknown.
+def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blocks:
+    """The blocks of a recording.
 
     Args:
         record: with ticks of 10 ms.
         mean: (p,) belief about which the motion is linearised.
+        unknowns: (n - c,) the columns behind the tensions there; None for what is most probable of all that the filter
+            was told to be unknown, and 0 of the rest.
     """
     away = (mean - record.prior.mean) / record.prior.sd
     mean = record.prior.mean + np.clip(away, -FARTHEST, FARTHEST) * record.prior.sd  # where a filter may be lost
     settings, told = _settings(record)
+    if unknowns is not None:
+        return _blocks_at(record, settings, mean, unknowns)
     unknowns = np.zeros(1 + len(settings["nuisances"]["mass"]))
     for _ in range(MOST_PASSES):
         blocks = _blocks_at(record, settings, mean, unknowns)

@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 from jawenv.base.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.recordings.record import Record
-from jawenv.recordings.untold_bank import mixture
-from jawenv.recordings.untold_blocks import blocks_of
+from jawenv.recordings.untold_bank import Mixture, mixture
+from jawenv.recordings.untold_blocks import Blocks, blocks_of
 from jawenv.recordings.untold_shown import Shown, shown
 from jawenv.recordings.untold_temperature import excess, joint_of
 
 Array = NDArray[np.float64]
 
 ROUNDS, ENOUGH = 4, 1.02
+MOVED = 0.1  # of a natural logarithm, from where the motion is linearised anew
 FEWEST = 10
 """Blocks of which groups can be left out."""
 
@@ -49,16 +50,24 @@ def learnt(record: Record, mean: Array) -> Learnt | None:
     blocks = blocks_of(record, mean)
     if len(blocks.score) < FEWEST or not np.isfinite(blocks.information).all():
         return None
-    temperature, spread = 1.0, 1.0
+    found, temperature, spread = _weighed(blocks)
+    if np.abs(found.best - blocks.point).max() > MOVED:
+        values = joint_of(blocks, found.best, found.sizes, temperature).values
+        blocks = blocks_of(record, found.best, values[blocks.tensions :])
+        found, temperature, spread = _weighed(blocks)
+    return Learnt(found.mean, spread * found.cov, temperature, found.sizes, shown(blocks, found, temperature))
+
+
+def _weighed(blocks: Blocks) -> tuple[Mixture, float, float]:
+    """The mixture, its temperature, and a factor of its covariance where parts do not agree after all rounds."""
+    temperature = 1.0
     for _ in range(ROUNDS):
         found = mixture(blocks, temperature)
         beyond = excess(blocks, joint_of(blocks, found.best, found.sizes, temperature), temperature)
         if beyond <= ENOUGH:
-            break
+            return found, temperature, 1.0
         temperature *= beyond
-    else:
-        spread = beyond
-    return Learnt(found.mean, spread * found.cov, temperature, found.sizes, shown(blocks, found, temperature))
+    return found, temperature, beyond
 
 
 def learnt_beliefs(records: Sequence[Record] | None, means: Array, covs: Array) -> tuple[Array, Array]:
