@@ -168,8 +168,8 @@ def _header(record: Record) -> dict[str, Any]:
         for name in ("measurement_sd", "wrench_sd", "cell_sd", "start_mean", "start_sd")
     }
     header["gain_sd"] = record.gain_sd
-    if not record.knowledge.exact:
-        header["knowledge"] = {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0}
+    known = {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0}
+    header["knowledge"] = known or "exact"
     if record.disturbance_time_s > 0.0:
         header["disturbance_time_s"] = record.disturbance_time_s
         header["disturbance_sd"] = record.disturbance_sd.tolist()

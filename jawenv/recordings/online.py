@@ -54,6 +54,7 @@ class OnlineBelief:
     """The alarm, above 1 where no parameters explain the readings, or the belief moves by more than it claims."""
     gated: int  # ticks so far whose readings were refused
     left_out: int  # readings of this tick that were missing, out of range or frozen
+    learnt: int  # ticks so far from which something was learnt: at the teeth nothing is
 
     @property
     def log_sd(self) -> Array:
@@ -287,6 +288,7 @@ class OnlineFilter:
             float(belief["misfit"]),
             int(belief["gated"]),
             left_out,
+            int(belief["readings"]),
         )
 
 
