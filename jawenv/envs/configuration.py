@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, cast, get_args
 
 from jawenv.anatomy import COHORTS, Anatomy, Cohort, MuscleSet, anatomy_of, cohort
@@ -324,12 +324,15 @@ def _plain(name: str, value: object) -> Any:
     return value
 
 
-def configure(arguments: Mapping[str, object], owner: type = Configuration) -> Configuration:
+def configure(
+    arguments: Mapping[str, object], owner: type = Configuration, base: Configuration | None = None
+) -> Configuration:
     """Configuration from keyword arguments.
 
     Args:
         arguments: By name.
         owner: The class that got them, for the message.
+        base: Another one, which has the arguments that are not given; their defaults without it.
 
     Raises:
         UnknownArgumentError: an argument is unknown; both an ``InputError`` and a ``TypeError``, in Python's words.
@@ -342,4 +345,4 @@ def configure(arguments: Mapping[str, object], owner: type = Configuration) -> C
                 f"{owner.__name__}.__init__() got an unexpected keyword argument {shown(name)}; "
                 f"{meant(name, names)}allowed: {', '.join(names)}"
             )
-    return Configuration(**cast(Any, arguments))
+    return Configuration(**cast(Any, arguments)) if base is None else replace(base, **cast(Any, arguments))
