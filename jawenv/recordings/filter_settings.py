@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from jawenv.device.device import TICK
 from jawenv.device.force_sensor import device_with_sensor, sds_of_sensor
 from jawenv.envs.configuration import Configuration
-from jawenv.envs.world.plants import TICK
 from jawenv.filter.belief.state import filter_settings_dtype
 from jawenv.filter.model.initial_motion import start_sd
 from jawenv.filter.nuisances.directions import directions
