@@ -121,7 +121,7 @@ class JawEnv(gym.Env[Observation, Action]):
             raise InputError(f"render_mode is {shown(render_mode)}; allowed: {modes}")
         self.configuration = configure(arguments, type(self))
         if render_mode == "human":
-            from jawenv.rendering.display import check_window
+            from jawenv.base.display import check_window
 
             check_window("render_mode: 'human'", "use 'rgb_array', or SDL_VIDEODRIVER=dummy to draw unseen")
         self.render_mode = render_mode
