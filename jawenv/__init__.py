@@ -50,7 +50,7 @@ _HOMES = {
     "PatientLaw": "jawenv.inference.patient_law",
     "Plant": "jawenv.mechanics.plant",
     "Player": "jawenv.playing.maneuvers",
-    "acceleration": "jawenv.mechanics",
+    "acceleration": "jawenv.mechanics.acceleration",
     "bound_along": "jawenv.analysis.bound",
     "cohort": "jawenv.anatomy",
     "contrastive_bounds": "jawenv.inference.information_gain",

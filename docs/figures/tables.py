@@ -155,8 +155,8 @@ def clinical() -> str:
 
 # module, name, factor to the unit shown, unit, meaning, grade
 _CONSTANTS = (
-    ("jawenv.mechanics.jaw", "CONDYLE_STIFFNESS", 1, "N/m", "the capsule's stops, soft enough for the step", "G"),
-    ("jawenv.mechanics.jaw", "STOP_WIDTH", 1e3, "mm", "quadratic onset $w$ of teeth and capsule", "G"),
+    ("jawenv.mechanics.building", "CONDYLE_STIFFNESS", 1, "N/m", "the capsule's stops, soft enough for the step", "G"),
+    ("jawenv.mechanics.building", "STOP_WIDTH", 1e3, "mm", "quadratic onset $w$ of teeth and capsule", "G"),
     ("jawenv.mechanics.equilibrium", "HOLD_STIFFNESS", 1, "N/m", "spring that holds the mouth open", "numerical"),
     ("jawenv.mechanics.equilibrium", "TOLERANCE", 1, "m/s2, rad/s2", "acceleration left over at rest", "numerical"),
     ("jawenv.device.comfort_settings", "Comfort.painless_force_N", 1, "N", "pull that ends the painless range", "G"),

@@ -9,8 +9,7 @@ import numpy as np
 from jawenv.base.errors import InputError, not_among, shown
 from jawenv.base.numeric_fields import real_number
 from jawenv.controls import ControlMode
-from jawenv.envs.world.plants import TICK
-from jawenv.envs.world.tracking import LAW_TICKS
+from jawenv.device.device import LAW_TICKS, TICK
 
 LARGEST = 1e6  # of the numeric arguments
 

@@ -11,7 +11,6 @@ from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
-from jawenv.filter.nuisances.known_within import write_nuisances
 from jawenv.filter.nuisances.unknowns import Values
 from jawenv.filter.readings import least_noise
 from jawenv.filter.readings.screening import rough_change
@@ -109,6 +108,8 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
     settings["rough"] = rough_change(noise.cell_sd, noise.dt)
     set_prior(settings, geometry.jaw, geometry.prior)
     if geometry.sds:
+        from jawenv.filter.nuisances.known_within import write_nuisances
+
         assert geometry.muscles is not None
         parts = geometry.upright, geometry.knowledge, geometry.muscles, geometry.sds
         write_nuisances(settings["nuisances"], *parts, geometry.force)

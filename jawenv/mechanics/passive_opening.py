@@ -12,9 +12,9 @@ from jawenv.anatomy import Fossa, Mandible, MuscleSet, muscle_set
 from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import real_number
 from jawenv.kernels.records import record_zeros
+from jawenv.mechanics.building import build_jaw
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.jaw import build_jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 STEP_MM = 0.5

@@ -17,13 +17,13 @@ from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_SDS
+from jawenv.filter.belief.state import FARTHEST
 
 Array = NDArray[np.float64]
 Values = dict[str, Array]
 """Deviations of all unknowns from their nominal values by name, in sds: standard normal."""
 Change = Callable[[Any, Array, MuscleSet], None]
 
-FARTHEST = 4.0  # sds that a nuisance may be from its nominal value, drawn or believed
 TURN, OFFSET, CELL_TURN = "turn", "offset", "cell_turn"
 """Changes of what is read: angles of the mouthpiece, offset of the load cell, angles of its axes."""
 
