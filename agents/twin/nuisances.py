@@ -128,7 +128,10 @@ class Nuisances:
         shape = (*body.shape[:-2], len(self), 3)
         axes = self.cell_turn.expand(shape)
         force, moment = (torch.linalg.cross(axes, body[..., k : k + 1, :].expand(shape)) for k in range(2))
-        force, moment = force - self.offset[:, :3], moment - self.offset[:, 3:]
+        x, y, opening, yaw = (pose.q[..., k] / scale for k, scale in enumerate((5e-3, 3e-3, 0.2, 0.05)))
+        shapes = torch.stack([torch.ones_like(x), opening, opening**2, x, y, yaw], -1)  # as ``filter.nuisances.turned``
+        offset = torch.einsum("...s,msk->...mk", shapes, self.offset.unflatten(-1, (-1, 6)))
+        force, moment = force - offset[..., :3], moment - offset[..., 3:]
         return torch.cat([pose.arms(force), pose.arms(moment)], -1)
 
     def _of_tone(self, passive: Passive) -> Tensor:

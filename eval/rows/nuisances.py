@@ -31,6 +31,7 @@ GROUPS = (
     "tone",
     "inertia",
     "damping",
+    "wrench of no muscle",
 )
 """Of nuisances, in the order of tables."""
 ERROR, LEFT = "nuisance_z2", "nuisance_left"

@@ -7,7 +7,7 @@ the sds, as it has the cohort's prior.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from jawenv.base.errors import not_among
@@ -44,6 +44,9 @@ class Knowledge(NumericFields):
             account of it: a column of it teaches nothing, and without one 0.1 is harmless.
         cell_deg: of each angle between the axes of load cell and encoders: 0 where they were aligned on a bench, 0.2
             to 1 where a cell was mounted by hand (G). The cell's gain is `Device.cell_gain`.
+        wrench_N: of a smooth wrench that no muscle pulls and no load cell reads: five components (moments over 3 cm)
+            times six shapes of the pose, each of the thirty by itself (`filter.nuisances.turned`). It stands for all
+            that the other fields leave out, as a scar or a cell that drifts with the pose (0.1, G).
     """
 
     attachments: float = number(0.0, 0.3, "1")
@@ -61,6 +64,7 @@ class Knowledge(NumericFields):
     damping: float = number(0.0, 0.2, "1")
     inertia: float = number(0.0, 0.2, "1")
     cell_deg: float = number(0.0, 5.0, "deg")
+    wrench_N: float = number(0.0, 10.0, "N")
 
     @property
     def exact(self) -> bool:
@@ -83,8 +87,9 @@ IMAGED = Knowledge(
     cell_offset_N_m=0.002,
     damping=0.2,
 )
-LEVELS: Mapping[str, Knowledge] = MappingProxyType({"exact": Knowledge(), "imaged": IMAGED})
-"""All known exactly; a scan of the patient, an impression and a tared cell."""
+BENCH = replace(IMAGED, wrench_N=0.1)
+LEVELS: Mapping[str, Knowledge] = MappingProxyType({"exact": Knowledge(), "imaged": IMAGED, "bench": BENCH})
+"""All known exactly; a scan of the patient, an impression and a tared cell; these and what nobody thought of."""
 
 
 def knowledge(source: str | Knowledge | Source | None) -> Knowledge:

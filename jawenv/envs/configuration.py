@@ -90,7 +90,7 @@ class Configuration:
         "value",
     )
     knowledge: str | Knowledge | Source | None = _argument(
-        None, "What the filter knows of anatomy and device: exact, imaged, or a file of sds.", "NAME", "value"
+        None, "What the filter knows of anatomy and device: exact, imaged, bench, or a file of sds.", "NAME", "value"
     )
     force_sensor: ForceSensor = _argument(
         "cell", "How the device knows its force: cell, motors or straps.", "NAME", "value"

@@ -36,7 +36,7 @@ def changed(simulation):
     def moved(direction, share):
         values = {name: base + share * direction[name] for name, base in drawn(simulation).items()}
         jaw = changed_jaw(simulation.models[0], IMAGED, simulation.cohort.muscles, values)
-        return jaw, share * turn_of(IMAGED, direction), share * offset_of(IMAGED, direction)
+        return jaw, share * turn_of(IMAGED, direction), share * offset_of(IMAGED, direction)[:6]
 
     return [(moved(direction, EPS), moved(direction, -EPS)) for direction in simulation.nuisance_sds]
 

@@ -24,12 +24,15 @@ from jawenv.recordings.online import take_tick
 EPS = 1e-3  # sds
 
 
-KNOWN = replace(IMAGED, attachments=0.3, cell_deg=0.5, closing_tone_N=0.1)  # all that has a column
+KNOWN = replace(IMAGED, attachments=0.3, cell_deg=0.5, closing_tone_N=0.1, wrench_N=0.2)  # all that has a column
 
 # A filter is compiled for a number of columns. Episodes are played with as many as ``IMAGED`` has, which is compiled
 # for other tests too: what stands here leaves some out.
 CELL_TURNED = replace(IMAGED, cell_deg=1.0, mouthpiece_mm=0.0)
-LARGEST = {name: kind.high for name, kind in Knowledge.numeric_fields().items()} | {"closing_tone_N": 0.0}
+LARGEST = {name: kind.high for name, kind in Knowledge.numeric_fields().items()} | {
+    "closing_tone_N": 0.0,
+    "wrench_N": 0.0,
+}
 LARGEST_INSIDE = LARGEST | {"mouthpiece_mm": 0.0, "cell_offset_N": 0.0, "cell_offset_N_m": 0.0}
 LARGEST_OUTSIDE = LARGEST | {"attachments": 0.1} | {f"centre_of_mass_{axis}_mm": 0.0 for axis in "xyz"}
 
@@ -80,7 +83,9 @@ def by_differences(simulation, values, motion, wrench, acceleration):
     def at(share):
         changed = changed_jaw(jaw, KNOWN, muscles, scaled(values, share))
         about = share * cell_turn_of(KNOWN, values)
-        true = wrench - share * offset_of(KNOWN, values)
+        x, y, opening, yaw = motion[:4] / [5e-3, 3e-3, 0.2, 0.05]
+        shapes = np.array([1.0, opening, opening**2, x, y, yaw])
+        true = wrench - share * shapes @ offset_of(KNOWN, values).reshape(6, 6)
         true = true + np.concatenate([np.cross(about, wrench[:3]), np.cross(about, wrench[3:])])
         return acceleration(changed, theta, motion[:5], motion[5:], true)
 
@@ -192,6 +197,16 @@ def test_what_is_unknown_is_marginalised_honestly():
     assert np.mean(np.abs(z) < 2.0) > 0.9
     assert np.mean(info["misfit"] > 1.0) < 0.05
     assert np.median(info["belief_sd"]) < 0.08, "and it teaches"
+
+
+def test_a_wrench_that_no_muscle_pulls_is_marginalised_honestly():
+    """Beside all that a scan leaves uncertain: its thirty numbers are drawn, and the filter follows what they do."""
+    envs, info = play("bench", 24, 10, 990_000)
+    assert 0.7 < np.mean(info["nees"]) / 12 < 1.3
+    truth, belief = envs.unwrapped.worlds["truth"], envs.unwrapped.worlds["known"]["belief"]
+    assert np.std(truth["cell_offset"][:, 6:9]) == pytest.approx(0.1, rel=0.3)
+    drawn = np.any(envs.unwrapped.simulation.settings["filter"]["nuisances"]["offset"][0][:, 6:] != 0.0, axis=1)
+    assert np.corrcoef(belief["nuisances"][:, drawn].ravel(), truth["nuisances"][:, drawn].ravel())[0, 1] > 0.3
 
 
 def test_a_maneuver_that_teaches_little_is_honest_too():

@@ -36,7 +36,7 @@ def test_draws_have_the_sds_that_are_known():
     np.testing.assert_allclose(sd("mouthpiece"), 0.5e-3, rtol=0.1)
     np.testing.assert_allclose(sd("origin"), IMAGED.attachments * MUSCLES.origin_sd_m, rtol=0.1)
     np.testing.assert_allclose(np.std([turn_of(IMAGED, v) for v in draws], axis=0), np.radians(0.5), rtol=0.1)
-    offsets = np.std([offset_of(IMAGED, v) for v in draws], axis=0)
+    offsets = np.std([offset_of(IMAGED, v)[:6] for v in draws], axis=0)
     np.testing.assert_allclose(offsets, np.repeat([IMAGED.cell_offset_N, IMAGED.cell_offset_N_m], 3), rtol=0.1)
 
 
@@ -92,3 +92,16 @@ def test_a_tone_is_drawn_with_its_sd_and_beside_the_other_draws():
     for name, plain in draw_unknowns(LINES, np.random.default_rng(0)).items():
         if name != "tone":
             np.testing.assert_array_equal(plain, drawn[0][name])
+
+
+def test_a_wrench_of_no_muscle_hides_by_shapes_of_the_pose_and_moves_no_other_draw():
+    known = Knowledge(wrench_N=0.2)
+    drawn = [draw_unknowns(LINES, generator, known) for generator in map(np.random.default_rng, range(400))]
+    offsets = np.array([offset_of(known, values) for values in drawn]).reshape(-1, 6, 6)
+    for component, unit in enumerate((1.0, 1.0, 1.0, 0.03, 0.0, 0.03)):
+        np.testing.assert_allclose(np.std(offsets[:, :, component], axis=0), 0.2 * unit, rtol=0.15)
+    for name, plain in draw_unknowns(LINES, np.random.default_rng(0)).items():
+        if name != "wrench":
+            np.testing.assert_array_equal(plain, drawn[0][name])
+    assert len(directions(known, MUSCLES, build_jaw(), MEAN)) == 30
+    assert not np.any(offset_of(IMAGED, drawn[0])[6:])

@@ -16,6 +16,7 @@ from jawenv.device.motors import Motors
 from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype, joint_size
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_NOISE, N_SAMPLES
+from jawenv.filter.nuisances.turned import N_OFFSETS
 from jawenv.filter.tick import FilterScratch
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_STATES
@@ -35,7 +36,7 @@ class Truth:
     muscles: Annotated[Array, "lines", 2]
     cell_gain: float
     nuisances: Annotated[Array, "nuisances"]  # drawn, in prior sds, as ``belief.nuisances`` has them
-    cell_offset: Annotated[Array, 6]
+    cell_offset: Annotated[Array, N_OFFSETS]  # by shapes of the pose
     turn: Annotated[Array, 3]  # of the mouthpiece about body axes: what the encoders show is turned by it
     cell_turn: Annotated[Array, 3]  # what the load cell shows is turned by this
     no_cell: bool  # whether the force is read without a load cell (``device.force_sensor``)

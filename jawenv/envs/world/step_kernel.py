@@ -28,16 +28,15 @@ from jawenv.envs.world.tracking import aim, follow, move_targets
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import measure
 from jawenv.filter.model.joint_step import N_SAMPLES
-from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
+from jawenv.filter.nuisances.turned import add_offset, turn_readings, turn_wrench
 from jawenv.filter.readings.cell_trend import mean_force, mean_reading
 from jawenv.filter.tick import filter_scratch_dtype, filter_tick
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import norm
-from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import split
+from jawenv.mechanics.kinematics import angle_rates, split
 from jawenv.reality.faults import fail
 from jawenv.reality.options import RealityRecord
 from jawenv.reality.sensors import biased, play
@@ -101,11 +100,14 @@ def _read_load_cell(device: DeviceRecord, truth: Truth, scratch: Scratch):
 
 @njit
 def _turn_samples(truth: Truth, samples):
-    """Turn the load cell's ``samples`` (3, 6) by the mouthpiece's seat, and add the cell's offset."""
+    """Turn the load cell's ``samples`` (3, 6) of the last tick by the mouthpiece's seat, and add the cell's offset."""
+    q, u = split(truth.state)
+    turning = angle_rates(q, (u[2], u[3], u[4]))
+    back = -0.5 * TICK
+    pose = q[0] + back * u[0], q[1] + back * u[1], q[2] + back * turning[0], q[3] + back * turning[1]
     for i in range(N_SAMPLES):
         turn_wrench(truth.cell_turn, -1.0, samples[i])
-        for k in range(N_WRENCH):
-            samples[i, k] += truth.cell_offset[k]
+        add_offset(truth.cell_offset, 1.0, pose, samples[i])
 
 
 @njit

@@ -25,6 +25,7 @@ from jawenv.device.force_sensor import N_ERRORS
 from jawenv.filter.model.basis import N_NODES, Basis, basis_dtype, set_coefficients
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.motion_step import padded
+from jawenv.filter.nuisances.turned import N_OFFSETS
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
@@ -155,7 +156,7 @@ class Nuisances:
     origin: Annotated[Array, "nuisances", "ends"]
     insertion: Annotated[Array, "nuisances", "ends"]
     l_o: Annotated[Array, "nuisances", "lines"]
-    offset: Annotated[Array, "nuisances", N_WRENCH]  # of the load cell's reading
+    offset: Annotated[Array, "nuisances", N_OFFSETS]  # of the load cell's reading, by shapes of the pose
     turn: Annotated[Array, "nuisances", 3]  # of the mouthpiece about body axes, rad
     cell_turn: Annotated[Array, "nuisances", 3]  # of the load cell, with the mouthpiece and by itself
     line: Annotated[NDArray[np.int64], "nuisances"]  # whose ends it moves and nothing else, or -1

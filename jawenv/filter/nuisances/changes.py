@@ -22,8 +22,9 @@ from jawenv.device.force_sensor import N_ERRORS
 from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances
 from jawenv.filter.model.balance import at_mouthpiece, left_over
 from jawenv.filter.model.encoders import N_MEASUREMENTS, N_POSE, read_motion
+from jawenv.filter.model.regressors import middle_of
 from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_rest
-from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
+from jawenv.filter.nuisances.turned import add_offset, turn_readings, turn_wrench
 from jawenv.filter.nuisances.without_cell import (
     correct_motors,
     has_motors,
@@ -34,7 +35,6 @@ from jawenv.filter.nuisances.without_cell import (
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract
-from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.jaw import Jaw, jaw_dtype
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
@@ -125,8 +125,9 @@ def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench
         pull = add(pull, cross(turn, (reading[0], reading[1], reading[2])))
         moment = add(moment, cross(turn, (reading[3], reading[4], reading[5])))
         for i in range(3):
-            line_wrench[i, first + j] = pull[i] - nuisances.offset[j, i]
-            line_wrench[3 + i, first + j] = moment[i] - nuisances.offset[j, 3 + i]
+            line_wrench[i, first + j], line_wrench[3 + i, first + j] = pull[i], moment[i]
+        if nuisances.in_cell[j]:
+            add_offset(nuisances.offset[j], -1.0, pose, line_wrench[:, first + j])
 
 
 @njit
@@ -228,7 +229,8 @@ def add_nuisance_readings(jaw: Jaw, belief: Belief, settings: FilterSettings, us
 @where(has_nuisances)
 def correct_samples(jaw: Jaw, belief: Belief, settings: FilterSettings, samples, scratch):
     """Correct the ``samples`` (3, 6) of the force by the nuisances' means, compiled where there are nuisances."""
-    _correct_offsets(belief, settings.nuisances, samples)
+    pose, _ = middle_of(jaw, scratch.start_motion, scratch.instrument.motion)
+    _correct_offsets(belief, settings.nuisances, pose, samples)
     if has_motors(settings.nuisances):
         correct_motors(jaw, belief, settings, samples, scratch)
 
@@ -241,16 +243,15 @@ def follow_friction(jaw: Jaw, belief: Belief, settings: FilterSettings, scratch)
 
 
 @njit
-def _correct_offsets(belief: Belief, nuisances: Nuisances, samples):
-    """Turn the load cell's ``samples`` (3, 6) back and take its offset away, as far as the belief knows both."""
+def _correct_offsets(belief: Belief, nuisances: Nuisances, pose, samples):
+    """Turn the load cell's ``samples`` (3, 6) back and take its offset at a ``pose`` away, as the belief knows both."""
     for j in range(nuisances.mass.shape[0]):
         mean = belief.nuisances[j]
         if not nuisances.in_cell[j]:
             continue
         for i in range(samples.shape[0]):
             turn_wrench(nuisances.cell_turn[j], mean, samples[i])
-            for k in range(N_WRENCH):
-                samples[i, k] -= mean * nuisances.offset[j, k]
+            add_offset(nuisances.offset[j], -mean, pose, samples[i])
 
 
 @njit

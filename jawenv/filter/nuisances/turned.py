@@ -1,14 +1,21 @@
-"""Readings of a mouthpiece that sits turned by a small angle, as vectors in its axes show it.
+"""Readings of a mouthpiece that sits turned by a small angle, as vectors in its axes show it, and a cell's offset.
 
 Encoders and load cell are zeroed with the teeth together, so that a ``turn`` (rad, body axes) is seen where
 the jaw moves or is pulled: forces, moments, angles (as a small rotation vector) and angular velocities w are read as
 w - about x w. Places and velocities are read in the head's axes, which are not turned.
+
+The offset goes with the pose, by six smooth shapes of it. So does a wrench that no muscle pulls: what acts on the jaw
+and is not read is an offset of the reading with the other sign.
 """
 
 from __future__ import annotations
 
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import cross
+from jawenv.mechanics.dynamics import N_WRENCH
+
+N_SHAPES = 6
+N_OFFSETS = N_SHAPES * N_WRENCH
 
 
 @njit
@@ -23,6 +30,24 @@ def turn_wrench(turn, share, wrench):
     """Turn force and moment (6) in place; ``share`` is -1 for what is read, 1 back."""
     wrench[0], wrench[1], wrench[2] = turned(turn, share, wrench[0], wrench[1], wrench[2])
     wrench[3], wrench[4], wrench[5] = turned(turn, share, wrench[3], wrench[4], wrench[5])
+
+
+@njit
+def _shapes_of(pose):
+    """1, opening, its square, slide, side and yaw of a pose, each about 1 in a wide motion."""
+    opening = pose[2] / 0.2
+    return 1.0, opening, opening * opening, pose[0] / 5e-3, pose[1] / 3e-3, pose[3] / 0.05
+
+
+@njit
+def add_offset(offset, share, pose, wrench):
+    """Add to ``wrench`` (6) so many times an ``offset`` (36) at a pose."""
+    shapes = _shapes_of(pose)
+    for s in range(N_SHAPES):
+        for k in range(N_WRENCH):
+            value = offset[s * N_WRENCH + k]
+            if value != 0.0:  # adding nothing would still spread what is not finite
+                wrench[k] += share * shapes[s] * value
 
 
 @njit

@@ -18,14 +18,19 @@ from jawenv.anatomy.muscles import MuscleSet
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_SDS
 from jawenv.filter.belief.state import FARTHEST
+from jawenv.filter.nuisances.turned import N_OFFSETS, N_SHAPES
+from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
 Values = dict[str, Array]
 """Deviations of all unknowns from their nominal values by name, in sds: standard normal."""
 Change = Callable[[Any, Array, MuscleSet], None]
 
-TURN, OFFSET, CELL_TURN = "turn", "offset", "cell_turn"
-"""Changes of what is read: angles of the mouthpiece, offset of the load cell, angles of its axes."""
+TURN, OFFSET, CELL_TURN, WRENCH = "turn", "offset", "cell_turn", "wrench"
+"""Changes of what is read: angles of the mouthpiece, offset of the load cell, angles of its axes, what it misses."""
+WRENCH_UNITS = {0: 1.0, 1: 1.0, 2: 1.0, 3: 0.03, 5: 0.03}
+"""Components of a wrench that no muscle pulls, and how much of each is 1 N: a moment about the jaw's axis, which is
+left out, acts as a force upwards does."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +105,7 @@ UNKNOWNS = (
     # The whole tensor: a tenth moves nothing that can be measured.
     Unknown("inertia", "inertia tensor", lambda known: [known.inertia], _change_inertia, own=True, told=False),
     Unknown(CELL_TURN, "cell, angles", lambda known: [radians(known.cell_deg)] * 3),
+    Unknown(WRENCH, "wrench of no muscle", lambda known: [known.wrench_N] * N_SHAPES * len(WRENCH_UNITS), late=True),
 )
 """In the order of the filter's columns, and of the draws."""
 BY_NAME = {unknown.name: unknown for unknown in UNKNOWNS}
@@ -202,5 +208,9 @@ def cell_turn_of(knowledge: Knowledge, values: Values) -> Array:
 
 
 def offset_of(knowledge: Knowledge, values: Values) -> Array:
-    """(6,) the load cell's offset, N and N m."""
-    return _read(OFFSET, knowledge, values)
+    """(36,) the load cell's offset, N and N m, by shapes of the pose: its own less the wrench of no muscle."""
+    offset = np.zeros((N_SHAPES, N_WRENCH))
+    offset[0] = _read(OFFSET, knowledge, values)
+    units = np.array(list(WRENCH_UNITS.values()))
+    offset[:, list(WRENCH_UNITS)] -= _read(WRENCH, knowledge, values).reshape(N_SHAPES, len(units)) * units
+    return offset.reshape(N_OFFSETS)

@@ -63,7 +63,7 @@ def test_columns_are_the_differences_of_the_moved_jaw_at_the_same_readings(simul
     by_pose = torch.cat([J[:, :3], torch.eye(5, dtype=torch.float64)[:, 2:]], -1).T / twin.encoder_sd[:, None]
     for j in range(len(nuisances)):
         body = device.reshape(2, 3) @ turned
-        cell = torch.linalg.cross(nuisances.cell_turn[j].expand(2, 3), body) - nuisances.offset[j].reshape(2, 3)
+        cell = torch.linalg.cross(nuisances.cell_turn[j].expand(2, 3), body) - nuisances.offset[j, :6].reshape(2, 3)
         hidden = (cell @ turned.T).reshape(1, 6)
         ends = {share: moved(jaw, nuisances, j, share) for share in (STEP, -STEP)}
         seen = {share: readings(end, POSE, share * nuisances.turn[j]) for share, end in ends.items()}
