@@ -15,19 +15,17 @@ from jawenv.base.errors import InputError, MissingPackageError
 from jawenv.base.files import check_kept, write_text
 from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.answer import (
+    UNKNOWN,
     as_mapping,
     assumed_in_words,
     cohort_assumed,
     fitting_cohort,
     judgements,
-    unless_stated,
 )
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import LEAST_S, Identification, identified
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
-from jawenv.recordings.table import checked_path, read_table
-from jawenv.recordings.words import WORDS
 
 NOT_BELIEVABLE = 3
 SD_95 = 1.96
@@ -51,8 +49,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     for output in (page, answer):
         if output is not None:
             check_kept(output, [path, reading.get("columns")])
-    table = read_table(checked_path(path), WORDS)
-    record = load_record(table, **unless_stated(table.header, reading))
+    record = load_record(path, UNKNOWN, **reading)
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")

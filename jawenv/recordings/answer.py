@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -11,25 +10,17 @@ import numpy as np
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Cohort, Prior, cohort
 from jawenv.anatomy.knowledge import LEVELS
 from jawenv.base.versions import package_versions
+from jawenv.envs.configuration import Configuration
 from jawenv.ladder import MODELS
 from jawenv.metrics.verdicts import WITHHELD, Verdict, verdicts
 from jawenv.recordings import defaults
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
 
-COHORT, KNOWLEDGE = "anyone", "imaged"
-"""Of a patient and a device of whom nothing is known."""
-IN_WORDS = {"exact": "known exactly", "imaged": "as from a scan"}
-
-
-def unless_stated(header: Mapping[str, Any], reading: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of ``load_record`` with a cohort and a knowledge where neither they nor the file's header do."""
-    whole = dict(reading)
-    if whole.get("cohort") is None and not {"cohort", "prior_mean"} & set(header):
-        whole["cohort"] = COHORT
-    if whole.get("knowledge") is None and "knowledge" not in header:
-        whole["knowledge"] = KNOWLEDGE
-    return whole
+ANYONE = "anyone"
+UNKNOWN = Configuration(cohort=ANYONE, knowledge="bench", control="force")
+"""Patient and device of a file that says nothing of them."""
+IN_WORDS = {"exact": "known exactly", "imaged": "as from a scan", "bench": "as from a scan"}
 
 
 def _alike(one: Prior, other: Prior) -> bool:
@@ -65,7 +56,7 @@ def assumed_in_words(record: Record) -> str:
 
 def fitting_cohort(record: Record) -> str | None:
     """Name of the first cohort under whose prior the recording is to be believed; None where none fits."""
-    names = [COHORT, *(name for name in COHORTS if name != COHORT)]
+    names = [ANYONE, *(name for name in COHORTS if name != ANYONE)]
     assumed = cohort_assumed(record)
     others = _cohorts(record)
     for name in names:

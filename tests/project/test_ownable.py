@@ -59,6 +59,9 @@ LEAVES = {
         ("tests/recordings/test_dialects.py",),
         ("trackers",),
     ),
+    "answer": Leaf(
+        ("jawenv/recordings/answer.py",), ("jawenv/commands/recordings.py",), ("tests/recordings/test_answer.py",)
+    ),
     "thesis": Leaf(("eval/thesis/*",), (EVAL,), ("tests/eval/thesis",)),
     "benchmark": Leaf(
         ("eval/benchmark/*", "eval/commands/benchmark.py", "eval/rows/times.py"), (EVAL,), ("tests/eval/benchmark",)
