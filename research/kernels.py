@@ -70,7 +70,7 @@ session.hand_over("refined")
 while not session.ended:
     session.drive()
 recording = str(session.save(Path(sys.argv[1]))[1])
-for knowledge in ("exact", "imaged"):
+for knowledge in ("exact", "imaged", "bench"):
     main(["identify", recording, "--knowledge", knowledge])
 """
 """What plays the models whose kernels are shipped; one world and many share theirs."""

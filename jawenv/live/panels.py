@@ -82,7 +82,7 @@ def answer_html(rows: Sequence[AnsweredMuscle]) -> str:
         cells = (
             f"<span style='color:{colour}'>{mark} {_word(row.said)}</span>",
             f"{_word(row.stiff)} {row.true_F_o_N:.2f}",
-            f"{row.F_o_N:.2f} ± {100 * row.sd:.1f} %",
+            row.estimate,
         )
         tds = "".join(f"<td style='{_FIGURE}'>{cell}</td>" for cell in cells)
         lines.append(f"<tr><th style='{_NAME}'>{escape(muscle_name(row.muscle))}</th>{tds}</tr>")
