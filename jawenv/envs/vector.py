@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Patient, Prior
 from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.actions import checked_actions
+from jawenv.envs.argument_checks import checked_actions
 from jawenv.envs.configuration import configure
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space

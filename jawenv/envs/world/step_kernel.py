@@ -28,7 +28,7 @@ from jawenv.envs.world.tracking import aim, follow, move_targets
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import measure
 from jawenv.filter.model.joint_step import N_SAMPLES
-from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
+from jawenv.filter.nuisances.changes import turn_readings, turn_wrench
 from jawenv.filter.readings.cell_trend import mean_force, mean_reading
 from jawenv.filter.tick import filter_scratch_dtype, filter_tick
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
@@ -38,9 +38,8 @@ from jawenv.kernels.vec3 import norm
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
-from jawenv.reality.faults import fail
 from jawenv.reality.options import RealityRecord
-from jawenv.reality.sensors import biased, play
+from jawenv.reality.sensors import biased, fail, play
 from jawenv.reality.tissue import update_tissue
 
 _CELL, _ENCODERS = 6, 24

@@ -8,6 +8,10 @@ The derivative of the motion enters as a wrench at the mouthpiece: the change of
 of motion leave over at the same acceleration, S^T (F - m a_c) and tau - (I omega' + omega x I omega + m rho x C a_c + c
 omega), carried by the wrench with the same projection. The derivative of the readings at the same motion is added where
 they are expected.
+
+Encoders and load cell are zeroed with the teeth together, so that a ``turn`` (rad, body axes) of the mouthpiece is seen
+where the jaw moves or is pulled: forces, moments, angles (as a small rotation vector) and angular velocities w are read
+as w - about x w. Places and velocities are read in the head's axes, which are not turned.
 """
 
 from __future__ import annotations
@@ -23,7 +27,6 @@ from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances
 from jawenv.filter.model.balance import at_mouthpiece, left_over
 from jawenv.filter.model.encoders import N_MEASUREMENTS, N_POSE, read_motion
 from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_rest
-from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
 from jawenv.filter.nuisances.without_cell import (
     correct_motors,
     has_motors,
@@ -38,6 +41,31 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.jaw import Jaw, jaw_dtype
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
+
+
+@njit
+def turned(turn, share, x, y, z):
+    """The vector (x, y, z) plus ``share`` times ``turn`` (3) cross it."""
+    add = cross((turn[0], turn[1], turn[2]), (x, y, z))
+    return x + share * add[0], y + share * add[1], z + share * add[2]
+
+
+@njit
+def turn_wrench(turn, share, wrench):
+    """Turn force and moment (6) in place; ``share`` is -1 for what is read, 1 back."""
+    wrench[0], wrench[1], wrench[2] = turned(turn, share, wrench[0], wrench[1], wrench[2])
+    wrench[3], wrench[4], wrench[5] = turned(turn, share, wrench[3], wrench[4], wrench[5])
+
+
+@njit
+def turn_readings(turn, share, measured, result):
+    """``result`` (12) = ``measured`` with angles (pitch, yaw, roll: about y, z, x) and angular velocity turned."""
+    for i in range(measured.shape[0]):
+        result[i] = measured[i]
+    roll, pitch, yaw = turned(turn, share, measured[5], measured[3], measured[4])
+    result[3], result[4], result[5] = pitch, yaw, roll
+    result[9], result[10], result[11] = turned(turn, share, measured[9], measured[10], measured[11])
+
 
 STEP = 0.01  # sds of the differences that stand for derivatives
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0)
