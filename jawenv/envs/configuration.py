@@ -8,7 +8,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
-from jawenv.anatomy import COHORTS, Anatomy, Cohort, MuscleSet, anatomy_of, cohort
+from jawenv.anatomy import (
+    COHORTS,
+    Cohort,
+    Fossa,
+    Mandible,
+    MuscleSet,
+    cohort,
+    default_fossa,
+    default_mandible,
+)
 from jawenv.anatomy.knowledge import Knowledge, knowledge
 from jawenv.base.errors import InputError, UnknownArgumentError, meant, shown
 from jawenv.base.files import Source
@@ -24,6 +33,7 @@ from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, m
 from jawenv.reality import Reality, check_reality
 
 if TYPE_CHECKING:
+    from jawenv.anatomy.description import Anatomy
     from jawenv.envs.own_estimators import OwnEstimator
     from jawenv.mechanics.plant import Plant
 
@@ -129,6 +139,8 @@ class Configuration:
             self._set(name, checked_flag(name, getattr(self, name)))
         self._set("comfort", comfort_of(self.comfort))
         if self.anatomy is not None:
+            from jawenv.anatomy.description import anatomy_of
+
             self._set("anatomy", anatomy_of(self.anatomy))
         self._set("cohort", cohort(self.cohort, self.muscles))
         self._set("asked", checked_asked(self.asked, self.muscles.names))
@@ -269,15 +281,26 @@ class Configuration:
         """Control periods in an episode."""
         return round(self.episode_s * self.steps_per_s)
 
-    def build_anatomy(self) -> Anatomy:
-        """Attachments, mandible and fossa that the filter believes in; those of the truth unless something errs."""
-        return anatomy_of(self.anatomy)
+    @property
+    def _own_anatomy(self) -> Anatomy | None:
+        return cast("Anatomy | None", self.anatomy)
+
+    @property
+    def mandible(self) -> Mandible:
+        """The mandible that the filter believes in; that of the truth unless something errs."""
+        return default_mandible() if self._own_anatomy is None else self._own_anatomy.mandible
+
+    @property
+    def fossa(self) -> Fossa:
+        """The condylar path that the filter believes in."""
+        return default_fossa() if self._own_anatomy is None else self._own_anatomy.fossa
 
     @property
     def muscles(self) -> MuscleSet:
         """The muscles of the model with their lines of action."""
         model = model_named(self.model)
-        return model.muscles if self.anatomy is None else self.build_anatomy().muscle_sets()[model.muscle_set]
+        own = self._own_anatomy
+        return model.muscles if own is None else own.muscle_sets()[model.muscle_set]
 
     def build_comfort(self) -> Comfort:
         """The comfort limits, with the user's changes."""
@@ -328,8 +351,8 @@ def _plain(name: str, value: object) -> Any:
         return value.name if shipped is not None and shipped.groups == value.groups else value.to_dict()
     if isinstance(value, NumericFields):
         return value.changes()
-    if isinstance(value, Anatomy):
-        return value.to_dict()
+    if name == "anatomy" and value is not None:
+        return cast("Anatomy", value).to_dict()
     if not (value is None or isinstance(value, str | bool | int | float)):
         raise InputError(
             f"{name} is {shown(value)}; allowed where a configuration is kept: a name, a number, a mapping"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.actions import checked_action
+from jawenv.envs.argument_checks import checked_action
 from jawenv.envs.configuration import configure, described
 from jawenv.envs.reset_options import (
     checked_keys,

@@ -27,10 +27,8 @@ from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
 from jawenv.envs.world.unknown_truth import Streams, draw_truth
-from jawenv.filter.model.initial_motion import start_sd
-from jawenv.filter.nuisances.directions import directions
 from jawenv.filter.nuisances.unknowns import MOTORS, Values, along
-from jawenv.filter.settings import Geometry, fill_settings, noise_of, used_readings, wrench_variances
+from jawenv.filter.settings import Geometry, fill_settings, noise_of, start_sd, used_readings, wrench_variances
 from jawenv.filter.tick import LAST_WINDOW, tick_dtype
 from jawenv.kernels.noise import philox
 from jawenv.kernels.records import record_zeros
@@ -61,7 +59,7 @@ class Simulation:
         """Allocate the worlds; nothing is simulated before ``reset``."""
         self.configuration = configuration
         self.model = model_named(configuration.model)
-        anatomy, muscles = configuration.build_anatomy(), configuration.muscles
+        muscles, mandible = configuration.muscles, configuration.mandible
         self.cohort = configuration.build_cohort()
         device = configuration.build_device()
         self.device = device_with_sensor(configuration.force_sensor, device)
@@ -72,19 +70,18 @@ class Simulation:
         filter_bilateral = configuration.filter_model == "bilateral"
         bilateral = self.model.plant == "bilateral" and (own_plant is None or filter_bilateral)
         self._jaw = build_jaw(
-            muscles, anatomy.mandible, anatomy.fossa, free=self.model.free, condyles=2 if bilateral else 1
+            muscles, mandible, configuration.fossa, free=self.model.free, condyles=2 if bilateral else 1
         )
         self._known_condyles = 2 if filter_bilateral else 1
         self.knowledge = configuration.build_knowledge()
         lasting = bool(self.device[0]["unmodelled_time"] > 0.0)
-        about = muscles, self._jaw, self.cohort.typical, self._motor_sds
-        self._sds = directions(self.knowledge, *about, lasting=lasting)
+        self._sds = self._directions(lasting)
         disturbance = N_WRENCH if lasting else 0
         sizes = len(muscles), len(muscles.muscle), N_BODY if filter_bilateral else N_STATES, len(self._sds), disturbance
         self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
-        self._gravity = anatomy.mandible.gravity
+        self._gravity = mandible.gravity
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self.scratches = record_zeros(threads, scratch_dtype(*sizes))
@@ -111,6 +108,15 @@ class Simulation:
         self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, light, asked)
         self.own_estimators = None if configuration.own_estimator is None else self._own_estimators()
         """The user's estimators, where they are in the place of the device's filter."""
+
+    def _directions(self, lasting: bool) -> list[Values]:
+        """One sd of each nuisance; none where all is known exactly."""
+        if self.knowledge.exact and self._motor_sds is None:
+            return []
+        from jawenv.filter.nuisances.directions import directions
+
+        about = self.cohort.muscles, self._jaw, self.cohort.typical, self._motor_sds
+        return directions(self.knowledge, *about, lasting=lasting)
 
     def _own_estimators(self) -> OwnEstimators:
         from jawenv.envs.own_estimators import OwnEstimators

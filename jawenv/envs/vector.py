@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Patient, Prior
 from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.actions import checked_actions
+from jawenv.envs.argument_checks import checked_actions
 from jawenv.envs.configuration import configure
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
@@ -31,7 +31,6 @@ from jawenv.envs.reset_options import (
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps, enough_memory
-from jawenv.envs.world_attributes import attribute_of_worlds, set_attribute_of_worlds
 
 if TYPE_CHECKING:
     from jawenv.envs.pictures import WorldPictures
@@ -286,6 +285,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             raise InputError(f"call({shown(name)}) has the argument {shown(arguments[0])}; allowed: none")
         if name == "render":
             return self.render() or (None,) * self.num_envs
+        from jawenv.envs.world_attributes import attribute_of_worlds
+
         return attribute_of_worlds(self, name)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
@@ -294,6 +295,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         Raises:
             UnknownAttributeError: worlds have no such attribute.
         """
+        from jawenv.envs.world_attributes import attribute_of_worlds
+
         return attribute_of_worlds(self, name)
 
     def set_attr(self, name: str, values: Any) -> None:
@@ -303,6 +306,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             UnknownAttributeError: the attribute cannot be set.
             InputError: a list of another length than N, or a value that is not allowed.
         """
+        from jawenv.envs.world_attributes import set_attribute_of_worlds
+
         set_attribute_of_worlds(self, name, values)
 
     def close_extras(self, **kwargs: Any) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from jawenv.anatomy import Patient
 from jawenv.base.errors import InputError, shown
 from jawenv.device.device import TICK
-from jawenv.envs.actions import checked_actions
+from jawenv.envs.argument_checks import checked_actions
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.reset_options import checked_seed, episode_keys
 from jawenv.envs.simulation import Simulation

@@ -39,11 +39,10 @@ def geometry_of(configuration: Configuration, head_tilt_deg: float = 0.0) -> Any
     tilt = real_number(head_tilt_deg)
     if tilt is None or abs(tilt) > STEEPEST_TILT:
         raise InputError(f"head_tilt_deg is {shown(head_tilt_deg)}; allowed: -{STEEPEST_TILT:g} to {STEEPEST_TILT:g}")
-    anatomy = configuration.build_anatomy()
     return build_jaw(
         configuration.muscles,
-        anatomy.mandible,
-        anatomy.fossa,
+        configuration.mandible,
+        configuration.fossa,
         free=model_named(configuration.model).free,
         condyles=2 if configuration.filter_model == "bilateral" else 1,
         head_tilt_deg=tilt,

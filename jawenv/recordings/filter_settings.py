@@ -8,10 +8,9 @@ from jawenv.device.device import TICK
 from jawenv.device.force_sensor import device_with_sensor, sds_of_sensor
 from jawenv.envs.configuration import Configuration
 from jawenv.filter.belief.state import filter_settings_dtype
-from jawenv.filter.model.initial_motion import start_sd
 from jawenv.filter.nuisances.directions import directions
 from jawenv.filter.nuisances.unknowns import Values
-from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, used_readings
+from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, start_sd, used_readings
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings import defaults

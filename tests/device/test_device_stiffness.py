@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 
 from jawenv.device.device import TICK
-from jawenv.device.motors import BRAKED, CAPPED, IDLE, ON_PATH, STOPPED, STOPPED_AND_BRAKED, YIELD_FORCE, device_wrench
-from jawenv.device.stiffness import held_rate
+from jawenv.device.motors import (
+    BRAKED,
+    CAPPED,
+    IDLE,
+    ON_PATH,
+    STOPPED,
+    STOPPED_AND_BRAKED,
+    YIELD_FORCE,
+    device_wrench,
+    held_rate,
+)
 from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.plants import SUBSTEPS, midline_steps, midline_tick
 from jawenv.filter.readings.cell_trend import mean_reading

@@ -18,14 +18,14 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines of the trunk": 27_610,
+    "lines of the trunk": 27_572,
     "lines of a leaf": 2_810,
     "doors of a leaf": 2,
-    "longest chain of imports": 35,
-    "public top-level names": 1_548,
-    "modules that a step loads": 128,
-    "lines that a step loads": 14_211,
-    "lines that eval compare loads": 27_407,
+    "longest chain of imports": 34,
+    "public top-level names": 1_549,
+    "modules that a step loads": 117,
+    "lines that a step loads": 13_840,
+    "lines that eval compare loads": 24_420,
 }
 
 
@@ -94,7 +94,7 @@ LEAVES = {
         ("tests/eval/episodes/test_dataset.py",),
     ),
     "films": Leaf(
-        ("eval/episodes/film.py", "jawenv/rendering/film.py"),
+        ("eval/episodes/film.py", "eval/episodes/video.py", "jawenv/rendering/film.py"),
         (EVAL,),
         ("tests/eval/episodes/test_film.py",),
         ("report",),

@@ -8,8 +8,7 @@ zero. Plants that Python moves have ``plant_kernel``.
 from __future__ import annotations
 
 from jawenv.device.device import N_MOTORS, TICK, DeviceRecord
-from jawenv.device.motors import BRAKED, IDLE, device_wrench
-from jawenv.device.stiffness import held_rate
+from jawenv.device.motors import BRAKED, IDLE, device_wrench, held_rate
 from jawenv.envs.world.load_cell import add_moments, clear_moments, take_samples
 from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within

@@ -37,9 +37,8 @@ from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import norm
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates, split
-from jawenv.reality.faults import fail
 from jawenv.reality.options import RealityRecord
-from jawenv.reality.sensors import biased, play
+from jawenv.reality.sensors import biased, fail, play
 from jawenv.reality.tissue import update_tissue
 
 _CELL, _ENCODERS = 6, 24

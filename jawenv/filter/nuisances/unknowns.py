@@ -1,6 +1,8 @@
 """Numbers of a patient and of the device that are known only within sds: one object each, and values of all.
 
-A new one is a field of ``Knowledge`` and an entry of ``UNKNOWNS``. Truth and filter read both.
+A new one is a field of ``Knowledge`` and an entry of ``UNKNOWNS``. Truth and filter read both. A patient who comes
+again has the same attachments, fossa, mass, centre of mass, inertia and damping (``own``). Tilt of the head, place and
+turn of the mouthpiece, offset and axes of the load cell are others.
 """
 
 from __future__ import annotations
@@ -214,3 +216,14 @@ def offset_of(knowledge: Knowledge, values: Values) -> Array:
     units = np.array(list(WRENCH_UNITS.values()))
     offset[:, list(WRENCH_UNITS)] -= _read(WRENCH, knowledge, values).reshape(N_SHAPES, len(units)) * units
     return offset.reshape(N_OFFSETS)
+
+
+def with_anatomy_of(patient: Values, session: Values) -> Values:
+    """The patient's own values of one, and the session's of another."""
+    return with_inertial(session | {name: patient[name] for name in OWN})
+
+
+def own_values(values: Values) -> NDArray[np.float64]:
+    """(8 + 6 lines,) the patient's own values that the filter is told of, in prior sds; ends of each line last."""
+    told = [values[unknown.name] for unknown in UNKNOWNS if unknown.own and unknown.told]
+    return np.concatenate([*told, np.hstack([values[name] for name in ENDS]).ravel()])
