@@ -10,15 +10,13 @@ import numpy as np
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Cohort, Prior, cohort
 from jawenv.anatomy.knowledge import LEVELS
 from jawenv.base.versions import package_versions
-from jawenv.envs.configuration import Configuration
 from jawenv.ladder import MODELS
 from jawenv.metrics.verdicts import WITHHELD, Verdict, verdicts
 from jawenv.recordings import defaults
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
 
-ANYONE = "anyone"
-UNKNOWN = Configuration(cohort=ANYONE, knowledge="bench", control="force")
+UNKNOWN = replace(defaults.UNLABELLED, knowledge="bench")
 """Patient and device of a file that says nothing of them."""
 IN_WORDS = {"exact": "known exactly", "imaged": "as from a scan", "bench": "as from a scan"}
 
@@ -56,7 +54,7 @@ def assumed_in_words(record: Record) -> str:
 
 def fitting_cohort(record: Record) -> str | None:
     """Name of the first cohort under whose prior the recording is to be believed; None where none fits."""
-    names = [ANYONE, *(name for name in COHORTS if name != ANYONE)]
+    names = sorted(COHORTS, key=lambda name: name != UNKNOWN.cohort)
     assumed = cohort_assumed(record)
     others = _cohorts(record)
     for name in names:

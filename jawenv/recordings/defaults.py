@@ -21,6 +21,8 @@ from jawenv.mechanics.dynamics import N_STATES
 
 Array = NDArray[np.float64]
 
+UNLABELLED = Configuration(cohort="anyone", control="force")
+"""World of a recording of which nothing is told."""
 UNMODELLED_TIME = 0.01
 """s over which ``Device.unmodelled_force_N`` is constant: over a longer tick its mean is smaller."""
 STEEPEST_TILT = 90.0  # degrees

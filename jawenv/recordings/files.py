@@ -68,7 +68,7 @@ def load_record(
         path: a file as ``save_record`` writes it, or one's own with some of its columns (docs/recordings.md); or the
             table that such a file would hold.
         configuration: what neither the settings nor the file says: model, cohort, device, knowledge, force sensor,
-            anatomy, control. Those of the default environment in force control without it.
+            anatomy, control. Without it those of the default environment in force control, and the cohort anyone.
         head_tilt_deg: pitch of the head, positive looking down; the file's, or 0.
         jaw: a geometry of one's own with the model's muscles, from ``jawenv.mechanics.build_jaw``.
         columns: mapping file with the names, units and signs that the file has for the columns of docs/recordings.md.
@@ -82,7 +82,7 @@ def load_record(
         table = resampled(table, resample_hz)
     check_texts(table)
     header = {word: value for word, value in table.header.items() if _OVERRULED.get(word) not in settings}
-    world = given_world(configuration or Configuration(control="force"), settings, header, table.path)
+    world = given_world(configuration or defaults.UNLABELLED, settings, header, table.path)
     names, sensor = world.muscles.parameter_names, world.force_sensor
     check_numbers(
         table, {"states": N_BODY if world.filter_model == "bilateral" else N_STATES, "parameters": len(names)}

@@ -79,7 +79,7 @@ class OnlineFilter:
     filtered again, 0.045 ms with ``knowledge="imaged"``).
 
     Args:
-        configuration: An environment's, as its attribute ``configuration``; the default environment's without it.
+        configuration: An environment's, as its attribute ``configuration``; the default environment's and the cohort anyone without it.
         head_tilt_deg: Pitch of the head, positive looking down.
         jaw: A geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``, which has the tilt;
             sds of mass and inertia are relative to the environment's mandible.
@@ -108,7 +108,7 @@ class OnlineFilter:
         **settings: Any,
     ) -> None:
         """Check the arguments, allocate and compile."""
-        world = configure(settings, type(self), configuration)
+        world = configure(settings, type(self), configuration or defaults.UNLABELLED)
         own = defaults.geometry_of(world, head_tilt_deg)
         if jaw is not None:
             if (len(jaw["l_o"]), jaw["condyles"]) != (len(own["l_o"]), own["condyles"]) or head_tilt_deg != 0.0:

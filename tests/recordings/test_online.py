@@ -118,7 +118,7 @@ def test_a_start_that_is_not_told_follows_from_the_first_reading():
     start = defaults.motion_of_reading(record.jaw, record.measured[0], record.measurement_sd)
     unknown = replace(record, start_mean=start, start_sd=defaults.start_sd(record.jaw))
     expected = TensionFilter().estimate(unknown)
-    last = fed(OnlineFilter(), record.measured, record.samples)[-1]
+    last = fed(OnlineFilter(cohort="trismus"), record.measured, record.samples)[-1]
     np.testing.assert_allclose(last.log_mean, expected.mean[-1], rtol=1e-6)
     np.testing.assert_allclose(last.log_cov, expected.cov[-1], rtol=1e-4, atol=1e-10)
 
