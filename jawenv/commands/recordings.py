@@ -13,6 +13,7 @@ import numpy as np
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES
 from jawenv.base.errors import InputError, MissingPackageError
 from jawenv.base.files import check_kept, write_text
+from jawenv.metrics.calibration import YELLOW, alarm_word
 from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.answer import (
     UNKNOWN,
@@ -59,7 +60,8 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     print(f"rows:    {result.rows:,} read, {fitted:,} fitted, {result.refused:,} refused by the filter's gate")
     print(f"numbers: {result.numbers:,} read, {result.left_out:,} left out (out of range, or of a frozen sensor)")
     print(f"assumed: {assumed_in_words(record)}")
-    print(f"alarm:   {'silent' if result.misfit <= 1.0 else 'RINGS'}, misfit {result.misfit:.3g} (it rings above 1)\n")
+    word = alarm_word(result.misfit).replace("rings", "RINGS")
+    print(f"alarm:   {word}, misfit {result.misfit:.3g} (yellow above {YELLOW:g}, it rings above 1)\n")
     _print_estimates(record, result)
     _print_muscles(record, result)
     if write_page is not None:

@@ -11,6 +11,7 @@ from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Cohort, Prior, cohort
 from jawenv.anatomy.knowledge import LEVELS
 from jawenv.base.versions import package_versions
 from jawenv.ladder import MODELS
+from jawenv.metrics.calibration import alarm_word
 from jawenv.metrics.verdicts import WITHHELD, Verdict, verdicts
 from jawenv.recordings import defaults
 from jawenv.recordings.identification import Identification, identified
@@ -85,6 +86,7 @@ def as_mapping(record: Record, result: Identification) -> dict[str, Any]:
         "believed": result.believable,
         "doubts": result.doubts,
         "misfit": result.misfit,
+        "alarm": alarm_word(result.misfit),
         "seconds": float(record.time[-1] - record.time[0]),
         "rows": result.rows,
         "refused": result.refused,
