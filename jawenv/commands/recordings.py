@@ -18,10 +18,12 @@ from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.answer import (
     UNKNOWN,
     as_mapping,
+    at_the_edge,
     assumed_in_words,
     cohort_assumed,
     fitting_cohort,
     judgements,
+    least_known,
 )
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import LEAST_S, Identification, identified
@@ -63,6 +65,10 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     word = alarm_word(result.misfit).replace("rings", "RINGS")
     print(f"alarm:   {word}, misfit {result.misfit:.3g} (yellow above {YELLOW:g}, it rings above 1)\n")
     _print_estimates(record, result)
+    weakest, edge = least_known(record, result), at_the_edge(record, result)
+    print(f"least known: {weakest['words']}, sd {weakest['sd']:.1%} (before: {weakest['prior_sd']:.0%})")
+    if edge:
+        print(f"at the edge of what was assumed: {', '.join(edge)}")
     _print_muscles(record, result)
     if write_page is not None:
         print(f"\npage: {write_page(record, result, path, page)}")

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from jawenv.analysis.identifiability import in_words
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Cohort, Prior, cohort
+from jawenv.anatomy.cohorts import TRUNCATION_SD
 from jawenv.anatomy.knowledge import LEVELS
 from jawenv.base.versions import package_versions
 from jawenv.ladder import MODELS
@@ -55,13 +57,31 @@ def assumed_in_words(record: Record) -> str:
 
 def fitting_cohort(record: Record) -> str | None:
     """Name of the first cohort under whose prior the recording is to be believed; None where none fits."""
-    names = sorted(COHORTS, key=lambda name: name != UNKNOWN.cohort)
+    names = sorted(COHORTS, key=lambda name: name != defaults.ANYONE)
     assumed = cohort_assumed(record)
     others = _cohorts(record)
     for name in names:
         if name != assumed and identified(replace(record, prior=others[name].prior)).believable:
             return name
     return None
+
+
+def least_known(record: Record, result: Identification) -> dict[str, Any]:
+    """The combination of natural-log parameters with the largest error bar: words, direction (p), sd and prior sd."""
+    values, vectors = np.linalg.eigh(result.estimate.cov[-1])
+    direction = vectors[:, -1]
+    return {
+        "words": in_words(direction, record.parameter_names),
+        "direction": direction.tolist(),
+        "sd": float(np.sqrt(values[-1])),
+        "prior_sd": float(np.linalg.norm(direction * record.prior.sd)),
+    }
+
+
+def at_the_edge(record: Record, result: Identification) -> list[str]:
+    """Names of parameters whose estimate is beyond 2 sds of the prior: a patient whom the cohort hardly has."""
+    beyond = np.abs(result.estimate.mean[-1] - record.prior.mean) > TRUNCATION_SD * record.prior.sd
+    return [name.removeprefix("log_") for name, far in zip(record.parameter_names, beyond, strict=True) if far]
 
 
 def judgements(record: Record, result: Identification) -> list[Verdict]:
@@ -90,6 +110,8 @@ def as_mapping(record: Record, result: Identification) -> dict[str, Any]:
         "seconds": float(record.time[-1] - record.time[0]),
         "rows": result.rows,
         "refused": result.refused,
+        "least_known": least_known(record, result),
+        "at_the_priors_edge": at_the_edge(record, result),
         "verdicts": {name: _verdict(verdict) for name, verdict in found},
         "assumed": {
             "cohort": cohort_assumed(record),

@@ -21,7 +21,8 @@ from jawenv.mechanics.dynamics import N_STATES
 
 Array = NDArray[np.float64]
 
-UNLABELLED = Configuration(cohort="anyone", control="force")
+ANYONE = "anyone"
+UNLABELLED = Configuration(cohort=ANYONE, control="force")
 """World of a recording of which nothing is told."""
 UNMODELLED_TIME = 0.01
 """s over which ``Device.unmodelled_force_N`` is constant: over a longer tick its mean is smaller."""

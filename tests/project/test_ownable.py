@@ -118,7 +118,7 @@ LEAVES = {
         ("jawenv/analysis/identifiability.py", "jawenv/analysis/observability.py"),
         (PUBLIC,),
         ("tests/analysis/test_identifiability.py",),
-        ("inference",),
+        ("inference", "answer"),
     ),
     "smoothers": Leaf(
         ("jawenv/references/*", "jawenv/analysis/joint_likelihood.py", "jawenv/mechanics/newton_euler.py"),
