@@ -18,8 +18,8 @@ from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.answer import (
     UNKNOWN,
     as_mapping,
-    at_the_edge,
     assumed_in_words,
+    at_the_edge,
     cohort_assumed,
     fitting_cohort,
     judgements,
