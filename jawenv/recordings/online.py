@@ -79,7 +79,8 @@ class OnlineFilter:
     filtered again, 0.045 ms with ``knowledge="imaged"``).
 
     Args:
-        configuration: An environment's, as its attribute ``configuration``; the default environment's and the cohort anyone without it.
+        configuration: An environment's, as its attribute ``configuration``; the default environment's without it,
+            and the cohort anyone.
         head_tilt_deg: Pitch of the head, positive looking down.
         jaw: A geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``, which has the tilt;
             sds of mass and inertia are relative to the environment's mandible.
