@@ -159,6 +159,7 @@ def score(
     fibrosed_F_o_N: float = FIBROSED_F_O_N,
     blocked_b: float = BLOCKED_B,
     confidence: float = CONFIDENCE,
+    untold: bool = False,
 ) -> Score:
     """Judge a recording: precision, honesty, comfort and diagnosis of every patient when the episode ends.
 
@@ -170,6 +171,8 @@ def score(
             has that multiple.
         blocked_b: b above which a muscle is blocked.
         confidence: posterior probability from which on a diagnosis counts as made.
+        untold: whether the last belief learns the sizes of errors that nobody told the filter of, from `records`; what
+            is said of times before stays the filter's.
 
     Returns:
         The metrics per patient; `.summary()` aggregates them.
@@ -180,6 +183,10 @@ def score(
     if not sd_limit > 0.0:
         raise InputError(f"sd_limit is {sd_limit}; allowed: a value above 0")
     mean, cov = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
+    if untold:
+        from jawenv.recordings.untold_errors import learnt_beliefs
+
+        mean, cov = learnt_beliefs(recording.records, mean, cov)
     truth, error = recording.truth, mean - recording.truth
     sd, bound_sd = np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1)), recording.at_end(recording.bound_sd)
     over_time = recording.of_asked(recording.belief_sd)

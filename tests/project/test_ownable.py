@@ -75,6 +75,11 @@ LEAVES = {
         (EVAL,),
         ("tests/eval/calibration",),
     ),
+    "untold errors": Leaf(
+        ("jawenv/recordings/untold_*",),
+        ("jawenv/recordings/identification.py", "jawenv/metrics/score.py"),
+        ("tests/recordings",),
+    ),
     "patient's page": Leaf(
         ("eval/patient/*", "eval/commands/patient.py"), (EVAL, "jawenv/commands/recordings.py"), ("tests/eval/patient",)
     ),

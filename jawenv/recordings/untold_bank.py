@@ -1,0 +1,136 @@
+"""Sizes of errors that nobody told, each weighed by its evidence: a scan's, a wrench of no muscle, laws that bend.
+
+For every four sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
+probable values a normal belief is laid (Laplace). Beforehand 0.9 of the weight is on what the filter was told of each
+size, mostly that it is zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.recordings.untold_blocks import Blocks
+from jawenv.recordings.untold_law import bends, tensions
+
+Array = NDArray[np.float64]
+
+SCANS = (0.0, 1.0)
+CONSTANTS = (0.0, 0.03, 0.1, 0.3)
+SHAPES = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0)
+LAWS = (0.0, 0.03, 0.1, 0.3)
+LEVELS = SCANS, CONSTANTS, SHAPES, LAWS
+SIZES = np.array(list(product(*LEVELS)))
+"""(192, 4) share of a scan's sds; sds of a wrench's constants, N, and other shapes, N; of bends, share of a tension."""
+TOLD = 0.9
+STEPS, HALVINGS, ENOUGH = 12, 6, 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """The beliefs under all sizes together."""
+
+    mean: Array  # (p,)
+    cov: Array  # (p, p)
+    weights: Array  # (N,) of the sizes
+    best: Array  # (p,) the mean under the most probable sizes
+    sizes: Array  # (4,) these
+
+
+def mixture(blocks: Blocks, temperature: float) -> Mixture:
+    """The belief about the muscles, whatever the sizes are."""
+    sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.told_scan else SIZES
+    information, score, evidence = _about_tensions(blocks, temperature, sizes)
+    means, covs, heights = _most_probable(blocks, information, score)
+    weights = evidence + heights + _beforehand(sizes, blocks.told_wrench)
+    weights = np.where(np.isfinite(weights), weights, -np.inf)
+    weights = np.exp(weights - weights.max())
+    weights /= weights.sum()
+    used = weights > 0.0
+    mean = weights[used] @ means[used]
+    away = means[used] - mean
+    cov = np.einsum("n,nij->ij", weights[used], covs[used] + away[:, :, None] * away[:, None, :])
+    first = int(weights.argmax())
+    return Mixture(mean, 0.5 * (cov + cov.T), weights, means[first], sizes[first])
+
+
+def _beforehand(sizes: Array, wrench: float) -> Array:
+    """(N,) logarithms of the weights before anything is read, where the filter was told of a ``wrench``, N."""
+    weights = np.zeros(len(sizes))
+    for j, levels in enumerate(LEVELS):
+        told = min(levels, key=lambda level: abs(level - wrench)) if j in (1, 2) else 0.0
+        weights += np.where(sizes[:, j] == told, np.log(TOLD), np.log((1.0 - TOLD) / (len(levels) - 1)))
+    return weights
+
+
+def _about_tensions(blocks: Blocks, temperature: float, sizes: Array) -> tuple[Array, Array, Array]:
+    """Information (N, c, c) and score (N, c) about the tensions under N sizes, and logarithms (N,) of their weights."""
+    c = blocks.tensions
+    total, score = blocks.information.sum(axis=0) / temperature, blocks.score.sum(axis=0) / temperature
+    sds = blocks.sds(sizes[:: len(LAWS)])[:, :, None]
+    shared = sds * np.column_stack([total[c:, :c], score[c:]])
+    parts = _without(sds * total[c:, c:] * np.swapaxes(sds, 1, 2), shared, total[:c, :c], score[:c])
+    information, pulled, evidence = (np.repeat(part, len(LAWS), axis=0) for part in parts)
+    bent = sizes[:, 3, None, None] * bends(blocks).T
+    turned = bent @ information
+    shared = np.concatenate([turned, bent @ pulled[:, :, None]], axis=2)
+    information, pulled, more = _without(turned @ np.swapaxes(bent, 1, 2), shared, information, pulled)
+    return information, pulled, evidence + more
+
+
+def _without(inner: Array, shared: Array, left: Array, right: Array) -> tuple[Array, Array, Array]:
+    """Information and score with k numbers of prior N(0, 1) integrated out, and the logarithm of what that weighs.
+
+    Args:
+        inner: (N, k, k) information about them.
+        shared: (N, k, c + 1) what they share with the others, and behind it their score.
+        left: (..., c, c) information about the others.
+        right: (..., c) its score.
+    """
+    factor = np.linalg.cholesky(0.5 * (inner + np.swapaxes(inner, 1, 2)) + np.eye(inner.shape[1]))
+    whitened = np.linalg.solve(factor, shared)
+    rows, column = whitened[:, :, :-1], whitened[:, :, -1]
+    information = left - np.swapaxes(rows, 1, 2) @ rows
+    score = right - np.einsum("nkc,nk->nc", rows, column)
+    evidence = 0.5 * np.sum(column**2, axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
+    return 0.5 * (information + np.swapaxes(information, 1, 2)), score, evidence
+
+
+def _most_probable(blocks: Blocks, information: Array, score: Array) -> tuple[Array, Array, Array]:
+    """Means (N, p) and covariances (N, p, p) of the parameters by Newton's method, and the logarithm of the weight."""
+    nominal, prior = blocks.nominal.ravel(), np.diag(1.0 / blocks.prior_sd**2)
+
+    def height(theta: Array) -> Array:
+        with np.errstate(all="ignore"):
+            moved, away = tensions(blocks.basis, theta)[0] - nominal, theta - blocks.prior_mean
+            pulled = score - 0.5 * np.einsum("nij,nj->ni", information, moved)
+            reached: Array = np.sum(pulled * moved, axis=1) - 0.5 * np.sum(away @ prior * away, axis=1)
+            return reached
+
+    theta = np.tile(blocks.point, (len(score), 1))
+    now = height(theta)
+    for _ in range(STEPS):
+        moved, by_log = tensions(blocks.basis, theta)
+        pulled = score - np.einsum("nij,nj->ni", information, moved - nominal)
+        gradient = np.einsum("ncp,nc->np", by_log, pulled) - (theta - blocks.prior_mean) @ prior
+        precision = np.swapaxes(by_log, 1, 2) @ information @ by_log + prior
+        step = np.linalg.solve(precision, gradient[:, :, None])[:, :, 0]
+        step /= np.maximum(np.abs(step).max(axis=1), 1.0)[:, None]
+        share = np.ones(len(theta))
+        for _ in range(HALVINGS):
+            then = height(theta + share[:, None] * step)
+            worse = ~(then >= now - 1e-9)
+            if not worse.any():
+                break
+            share[worse] *= 0.5
+        share[worse], then = 0.0, np.where(worse, now, then)
+        theta, gained, now = theta + share[:, None] * step, then - now, then
+        if gained.max() < ENOUGH:
+            break
+    by_log = tensions(blocks.basis, theta)[1]
+    precision = np.swapaxes(by_log, 1, 2) @ information @ by_log + prior
+    heights: Array = now - 0.5 * np.linalg.slogdet(precision)[1]
+    return theta, np.asarray(np.linalg.inv(precision)), heights

@@ -1,0 +1,186 @@
+"""What every half second of a recording tells of muscles and other unknowns, along the motion of one fixed belief."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy.knowledge import IMAGED
+from jawenv.filter.belief.refocus import refocus
+from jawenv.filter.belief.state import (
+    FARTHEST,
+    Belief,
+    FilterSettings,
+    begin_motion,
+    belief_dtype,
+    forget_readings,
+)
+from jawenv.filter.model.basis import N_NODES
+from jawenv.filter.nuisances.changed_jaw import move_jaw
+from jawenv.filter.nuisances.turned import N_SHAPES
+from jawenv.filter.nuisances.unknowns import FARTHEST, WRENCH_UNITS
+from jawenv.filter.tick import FilterScratch, begin_filter, filter_scratch_dtype, take_readings, tick_dtype
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_zeros
+from jawenv.mechanics.jaw import Jaw
+from jawenv.recordings.filter_settings import settings_of_record
+from jawenv.recordings.record import Record
+
+Array = NDArray[np.float64]
+
+BLOCK_S = 0.5
+WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
+MOST_PASSES, CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
+N_CONSTANT = len(WRENCH_UNITS)
+N_OF_WRENCH = N_SHAPES * N_CONSTANT
+"""Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """The log-likelihood of B blocks, quadratic in n columns: tensions, gain, other unknowns, wrench.
+
+    The c columns of tensions count from the point, all others from 0.
+    """
+
+    information: Array  # (B, n, n)
+    score: Array  # (B, n)
+    poses: Array  # (B, 5) at their ends
+    gain_sd: float  # of the load cell's gain error
+    told_scan: bool  # whether the filter knew of the other unknowns: then their sds are those that it has
+    told_wrench: float  # sd of the wrench that it knew of, N
+    point: Array  # (p,) natural-log parameters about which the motion is linearised
+    basis: Any  # of the tensions
+    nominal: Array  # (muscles, nodes) coefficients at the point
+    prior_mean: Array  # (p,)
+    prior_sd: Array  # (p,)
+
+    @property
+    def tensions(self) -> int:
+        """How many columns are of tensions."""
+        return self.nominal.size
+
+    def unknowns(self) -> Array:
+        """(n - c,) most probable values of the columns behind the tensions, for the muscles of the point."""
+        sds, c = self.sds(np.array([[1.0, self.told_wrench, self.told_wrench, 0.0]]))[0], self.tensions
+        inner = sds[:, None] * self.information.sum(axis=0)[c:, c:] * sds + np.eye(len(sds))
+        values: Array = sds * np.linalg.solve(inner, sds * self.score.sum(axis=0)[c:])
+        return values
+
+    def sds(self, sizes: Array) -> Array:
+        """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``bank.SIZES``."""
+        others = self.score.shape[1] - self.tensions - 1 - N_OF_WRENCH
+        scan, constant, shapes, _ = (sizes[:, j, None] for j in range(4))
+        gain = np.full((len(sizes), 1), self.gain_sd)
+        known = np.repeat(np.ones_like(scan) if self.told_scan else scan, others, axis=1)
+        wrench = np.repeat(constant, N_CONSTANT, axis=1), np.repeat(shapes, N_OF_WRENCH - N_CONSTANT, axis=1)
+        return np.hstack([gain, known, *wrench])
+
+
+def blocks_of(record: Record, mean: Array) -> Blocks:
+    """The blocks of a recording, about what is most probable of all that the filter was told to be unknown.
+
+    Args:
+        record: with ticks of 10 ms.
+        mean: (p,) belief about which the motion is linearised.
+    """
+    away = (mean - record.prior.mean) / record.prior.sd
+    mean = record.prior.mean + np.clip(away, -FARTHEST, FARTHEST) * record.prior.sd  # where a filter may be lost
+    settings, told = _settings(record)
+    unknowns = np.zeros(1 + len(settings["nuisances"]["mass"]))
+    for _ in range(MOST_PASSES):
+        blocks = _blocks_at(record, settings, mean, unknowns)
+        before, unknowns = unknowns, blocks.unknowns()
+        if not told or np.abs(unknowns - before).max() < CLOSE:
+            break
+    return blocks
+
+
+def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> Blocks:
+    """The blocks about given values of the columns behind the tensions."""
+    nuisances, jaw, states = settings["nuisances"], record.jaw, len(record.start_mean)
+    muscles, lines = len(record.parameter_names) // 2, len(jaw["l_o"])
+    sizes = len(nuisances["mass"]), len(settings["disturbance_variance"])
+    belief: Any = record_zeros(1, belief_dtype(muscles, states, lines, *sizes))[0]
+    scratch: Any = record_zeros(1, filter_scratch_dtype(muscles, lines, states, *sizes))[0]
+    rows: Any = record_zeros(len(record.time), tick_dtype(states))
+    rows["measured"], rows["samples"][1:], rows["believed"][0] = record.measured, record.samples, record.start_mean
+    order, steps = _order(muscles * N_NODES, nuisances), np.zeros(len(belief["score"]))
+    steps[order[-sizes[0] :]] = np.clip(unknowns[1:], -FARTHEST, FARTHEST)
+    if sizes[1]:  # beside a disturbance with memory these stay where they are (``learn.recentre``)
+        steps[muscles * N_NODES + 1 :][: sizes[0]][nuisances["at_rest"] == 0] = 0.0
+    every, columns = max(1, round(BLOCK_S / record.dt)), len(steps)
+    count = len(record.samples) // every
+    kept = np.zeros((count, columns, columns)), np.zeros((count, columns)), np.zeros((count, 5))
+    _pass_through(jaw, belief, rows, settings, scratch, (mean.copy(), steps), every, kept)
+    information = np.triu(kept[0]) + np.swapaxes(np.triu(kept[0], 1), 1, 2)
+    information = np.diff(information[:, order][:, :, order], axis=0, prepend=0.0)
+    score = np.diff(kept[1][:, order], axis=0, prepend=0.0)
+    return Blocks(
+        information=information,
+        score=score + information @ steps[order],
+        poses=kept[2],
+        gain_sd=float(np.sqrt(settings["gain_variance"])),
+        told_scan=not record.knowledge.exact,
+        told_wrench=record.knowledge.wrench_N,
+        point=belief["point"].copy(),
+        basis=belief["basis"].copy(),
+        nominal=belief["nominal"].copy(),
+        prior_mean=record.prior.mean,
+        prior_sd=record.prior.sd,
+    )
+
+
+def _settings(record: Record) -> tuple[Any, bool]:
+    """The filter's settings with a wrench of 1 N, and a scan's unknowns where it was told of none; whether it was."""
+    told = not record.knowledge.exact
+    knowledge = replace(record.knowledge if told else IMAGED, wrench_N=1.0)
+    settings = settings_of_record(replace(record, knowledge=knowledge))
+    if not told:  # what readings count for is as the filter had it
+        own = settings_of_record(record)
+        settings["doubt"], settings["whole"] = own["doubt"], own["whole"]
+    return settings, told
+
+
+def _order(tensions: int, nuisances: Any) -> NDArray[np.intp]:
+    """Columns as ``Blocks`` has them: the wrench's, which are the last of no line and no motor, behind all others."""
+    rest = np.flatnonzero((nuisances["line"] < 0) & (nuisances["of_motors"] == 0))
+    wrench = rest[-N_OF_WRENCH:]
+    others = np.delete(np.arange(len(nuisances["mass"])), wrench)
+    return np.concatenate([np.arange(tensions + 1), tensions + 1 + others, tensions + 1 + wrench])
+
+
+@njit
+def _pass_through(
+    jaw: Jaw, belief: Belief, rows, settings: FilterSettings, scratch: FilterScratch, point, every, kept
+) -> None:
+    """Filter ``rows`` about a fixed ``point``: natural logs, and all columns as steps from 0.
+
+    After ``every`` ticks information, score and pose go to the arrays ``kept``, as sums from the first reading on.
+    """
+    mean, steps = point
+    information, score, poses = kept
+    first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
+    begin_filter(jaw, belief, rows[0].believed, settings)
+    belief.mean[:] = mean
+    belief.point[:] = mean
+    belief.cov[:, :] = 0.0
+    for i in range(mean.shape[0]):
+        belief.cov[i, i] = WIDTH * WIDTH
+    refocus(belief, scratch.belief)
+    for j in range(belief.nuisances.shape[0]):
+        belief.nuisances[j] = steps[first + j]
+    move_jaw(belief.jaw, settings.nuisances, steps, first)
+    begin_motion(belief, rows[0].believed, settings.start_sd)
+    forget_readings(belief)
+    for k in range(rows.shape[0]):
+        take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
+        if k > 0 and k % every == 0 and k // every <= information.shape[0]:
+            block = k // every - 1
+            information[block] = belief.information
+            score[block] = belief.score
+            for i in range(5):
+                poses[block, i] = belief.motion[i]

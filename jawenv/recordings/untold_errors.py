@@ -1,0 +1,67 @@
+"""The belief at the end of a recording, with the sizes of errors that nobody told learnt from it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.base.errors import InputError
+from jawenv.mechanics.bilateral import N_BODY
+from jawenv.recordings.record import Record
+from jawenv.recordings.untold_bank import mixture
+from jawenv.recordings.untold_blocks import blocks_of
+from jawenv.recordings.untold_temperature import excess, joint_of
+
+Array = NDArray[np.float64]
+
+ROUNDS, ENOUGH = 4, 1.02
+FEWEST = 10
+"""Blocks of which groups can be left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Learnt:
+    """A belief that integrates out errors whose sizes it has learnt."""
+
+    mean: Array  # (p,) natural logs
+    cov: Array  # (p, p)
+    temperature: float  # what the information was divided by
+    sizes: Array  # (4,) the most probable, see ``bank.SIZES``
+
+
+def learnt(record: Record, mean: Array) -> Learnt | None:
+    """The belief of a recording from the filter's last; None where nothing can be learnt of errors.
+
+    The information is divided by a temperature until parts of the recording agree as they should. Errors that change
+    over time raise it; for those that stay the bank has sizes.
+
+    Args:
+        record: with ticks of 10 ms.
+        mean: (p,) the filter's last belief.
+    """
+    if len(record.start_mean) == N_BODY:  # on two condyles everything else is taken for exact
+        return None
+    blocks = blocks_of(record, mean)
+    if len(blocks.score) < FEWEST or not np.isfinite(blocks.information).all():
+        return None
+    temperature = 1.0
+    for _ in range(ROUNDS):
+        found = mixture(blocks, temperature)
+        beyond = excess(blocks, joint_of(blocks, found, temperature), temperature)
+        if beyond <= ENOUGH:
+            return Learnt(found.mean, found.cov, temperature, found.sizes)
+        temperature *= beyond
+    return Learnt(found.mean, beyond * found.cov, temperature, found.sizes)
+
+
+def learnt_beliefs(records: Sequence[Record] | None, means: Array, covs: Array) -> tuple[Array, Array]:
+    """Means (N, p) and covariances (N, p, p) of N records; the filter's own where nothing can be learnt."""
+    if records is None:
+        raise InputError("records is None; allowed with untold: those of episodes with record=True")
+    found = [learnt(*one) for one in zip(records, means, strict=True)]
+    own = zip(found, means, covs, strict=True)
+    beliefs = [(mean, cov) if one is None else (one.mean, one.cov) for one, mean, cov in own]
+    return np.array([mean for mean, _ in beliefs]), np.array([cov for _, cov in beliefs])

@@ -1,0 +1,140 @@
+"""What error bars are worth where nobody told the filter of an error: at the end of a recording, as it is and learnt.
+
+    python -m research.untold --patients 48 --seed 388000 > docs/tables/untold.md
+
+Own movements, sines on all four channels, of 30 s. *Filter*: the belief at the end. *Learnt*: the same with sizes of
+errors that the recording itself shows (``jawenv.recordings.untold_errors``). A row is printed as soon as it is there.
+"""
+
+import argparse
+from typing import NamedTuple
+
+import numpy as np
+
+import jawenv
+from eval.figures import statistics, words
+from jawenv.recordings.untold_errors import learnt
+
+SECONDS = 30.0
+EFFECTS = {
+    "none": {},
+    "load cell off by 0.1 N, 2 mN m": {"cell_bias_N": 0.1, "cell_bias_N_m": 0.002},
+    "head tilted by 3°": {"head_tilt_error_deg": 3.0},
+    "openers that pull, 0.3 N": {"other_muscles_F_o_N": 0.3},
+    "scar band, 800 N/m": {"scar_stiffness_N_m": 800.0},
+    "seat, 0.5 mm, 0.5°": {"mouthpiece_error_mm": 0.5, "mouthpiece_error_deg": 0.5},
+    "mass, inertia 10 %, centre 4 mm": {"mass_error": 0.1, "inertia_error": 0.1, "centre_of_mass_error_mm": 4.0},
+    "fossa, 10 %": {"fossa_error": 0.1},
+    "play, 0.3 mm, 0.3°": {"encoder_play_mm": 0.3, "encoder_play_deg": 0.3},
+    "swallows, 1 N": {"swallow_N": 1.0},
+    "disturbance of 1 s": {"unmodelled_time_s": 1.0},
+    "creep, 0.3": {"creep_share": 0.3},
+    "guarding, 1": {"guarding_gain": 1.0},
+    "attachments of the mean": {"attachment_error": 1.0},
+}
+OF_BENCH = (
+    "none",
+    "openers that pull, 0.3 N",
+    "scar band, 800 N/m",
+    "play, 0.3 mm, 0.3°",
+    "swallows, 1 N",
+    "creep, 0.3",
+)
+MOVEMENTS = {
+    "sines": ((0.35, 0.5, 0.5, 0.4), (3.1, 2.3, 1.7, 2.9)),
+    "slow": ((0.35, 0.05, 0.05, 0.05), (9.0, 7.0, 11.0, 8.0)),
+}
+"""Amplitudes of the four channels and their periods, s."""
+
+
+class Sines:
+    """Sines with periods that have no common one, in targets control; phases are each world's own."""
+
+    control, steps_per_s = "targets", 5.0
+
+    def __init__(self, name):
+        self.name = name
+        self._amplitudes, self._periods = (np.array(values) for values in MOVEMENTS[name])
+
+    def reset(self, num_envs, seed=None):
+        self._step, self._phases = 0, np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, (num_envs, 4))
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        self._step += 1
+        turns = self._step / self.steps_per_s / self._periods
+        actions = self._amplitudes * np.sin(2.0 * np.pi * turns + self._phases)
+        actions[:, 0] = 0.9 * actions[:, 0] - 0.3
+        return actions.astype(np.float32), None
+
+
+class _Beliefs(NamedTuple):
+    """Beliefs about N patients against the truth."""
+
+    nees: np.ndarray  # (N,) over the number of parameters
+    sd: np.ndarray  # (N, P)
+    error: np.ndarray  # (N, P)
+
+    @classmethod
+    def of(cls, means, covs, truth):
+        error, covs = np.array(means) - truth, np.array(covs)
+        nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(covs), error) / error.shape[1]
+        return cls(nees, np.sqrt(np.diagonal(covs, axis1=1, axis2=2)), error)
+
+    def cells(self):
+        """NEES with its median, inside of 95 %, error."""
+        nees = words.with_interval(statistics.mean(self.nees), 2)
+        inside = 100.0 * np.mean(np.abs(self.error) < 1.96 * self.sd)
+        return f"{nees}, {np.median(self.nees):.2f}", f"{inside:.1f}", f"{100.0 * np.sqrt(np.mean(self.error**2)):.1f}"
+
+
+def row(title, arguments, knowledge):
+    kwargs = {"episode_s": SECONDS, "track_bound": False, "record": True, "control": "targets"}
+    kwargs |= {"knowledge": knowledge, "cohort": arguments.cohort, "reality": EFFECTS[title]}
+    played = jawenv.play(Sines(arguments.movement), patients=arguments.patients, seed=arguments.seed, env_kwargs=kwargs)
+    chosen = np.flatnonzero(played.valid[:, -1])
+    means, covs, truth = played.belief_mean[chosen, -1], played.belief_cov[chosen, -1], played.truth[chosen]
+    found = [learnt(played.records[i], mean) for i, mean in zip(chosen, means, strict=True)]
+    filtered, after = (
+        _Beliefs.of(means, covs, truth),
+        _Beliefs.of([one.mean for one in found], [one.cov for one in found], truth),
+    )
+    wider = np.exp(np.median(np.log(after.sd / filtered.sd)))
+    hot = np.median([one.temperature for one in found])
+    rings = f"{100.0 * np.mean(played.misfit[chosen, -1] > 1.0):.0f}"
+    _row(title, rings, *filtered.cells(), *after.cells(), f"{wider:.2f}", f"{hot:.1f}")
+
+
+def _row(*cells):
+    print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Measure what error bars are worth under errors that nobody told.")
+    parser.add_argument("--patients", type=int, default=48, help="of each row")
+    parser.add_argument("--seed", type=int, default=388_000)
+    parser.add_argument("--cohort", default="trismus")
+    parser.add_argument("--movement", choices=MOVEMENTS, default="sines")
+    parser.add_argument("--knowledge", choices=("exact", "bench"), action="append", help="both by default")
+    parser.add_argument("--effects", nargs="*", choices=EFFECTS, help="all by default")
+    arguments = parser.parse_args()
+    print("# Errors that nobody told\n")
+    for knowledge in arguments.knowledge or ("exact", "bench"):
+        world = f"--patients {arguments.patients} --seed {arguments.seed} --cohort {arguments.cohort}"
+        command = f"python -m research.untold {world} --movement {arguments.movement} --knowledge {knowledge}"
+        print(f"## A filter that was told: {knowledge}\n\n`{command}`:\n")
+        _row(
+            "untold",
+            "rings, %",
+            *("filter: NEES/12, median", "in 95 %, %", "error, %"),
+            *("learnt: NEES/12, median", "in 95 %, %", "error, %"),
+            "error bars x",
+            "temperature",
+        )
+        print("|---|" + 9 * "--:|")
+        for title in arguments.effects or (EFFECTS if knowledge == "exact" else OF_BENCH):
+            row(title, arguments, knowledge)
+        print(flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,153 @@
+"""Sizes of errors that nobody told: the algebra against dense formulas, and patients whose load cell is off."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import jawenv
+from jawenv.base.errors import InputError
+from jawenv.filter.model.basis import build_basis, set_coefficients, set_derivatives
+from jawenv.mechanics import build_jaw
+from jawenv.metrics.calibration import nees
+from jawenv.recordings import untold_bank as bank
+from jawenv.recordings import untold_law as law
+from jawenv.recordings.identification import identified
+from jawenv.recordings.untold_blocks import N_OF_WRENCH, Blocks, blocks_of
+from jawenv.recordings.untold_errors import learnt, learnt_beliefs
+from jawenv.recordings.untold_temperature import excess, joint_of
+from research.untold import Sines
+
+PATIENTS = 4
+PRIOR = jawenv.COHORTS["trismus"].prior
+
+
+@cache
+def played(**reality):
+    kwargs = {"record": True, "episode_s": 20.0, "control": "targets", "reality": reality, "track_bound": False}
+    return jawenv.play(Sines("sines"), patients=PATIENTS, seed=995_000, env_kwargs=kwargs)
+
+
+def of_cell():
+    return played(cell_bias_N=0.3, cell_bias_N_m=0.006)
+
+
+def last(recording):
+    return recording.belief_mean[:, -1], recording.belief_cov[:, -1]
+
+
+@pytest.fixture
+def blocks(rng):
+    """Of a likelihood that was made up, with what it was made of: true columns behind the tensions."""
+    basis = build_basis(build_jaw(), PRIOR)[0]
+    nominal = np.zeros((6, 5))
+    set_coefficients(basis, PRIOR.mean, nominal)
+    columns, count = 30 + 1 + 4 + N_OF_WRENCH, 40
+    rows = rng.normal(size=(count, 60, columns))
+    rows[:, :, :30] /= np.abs(nominal).max()
+    truth = np.zeros(columns)
+    truth[-N_OF_WRENCH:] = 0.1 * rng.standard_normal(N_OF_WRENCH)
+    read = rows @ truth + rng.standard_normal((count, 60))
+    return Blocks(
+        information=np.swapaxes(rows, 1, 2) @ rows,
+        score=np.einsum("bri,br->bi", rows, read),
+        poses=rng.normal(size=(count, 5)),
+        gain_sd=0.01,
+        told_scan=True,
+        told_wrench=0.0,
+        point=PRIOR.mean,
+        basis=basis,
+        nominal=nominal,
+        prior_mean=PRIOR.mean,
+        prior_sd=PRIOR.sd,
+    ), truth
+
+
+def test_tensions_are_those_of_the_filter(rng, blocks):
+    theta = PRIOR.mean + PRIOR.sd * rng.standard_normal((3, 12))
+    values, derivatives = law.tensions(blocks[0].basis, theta)
+    for k in range(3):
+        expected, by_log = np.zeros((6, 5)), np.zeros((30, 12))
+        set_coefficients(blocks[0].basis, theta[k], expected)
+        set_derivatives(blocks[0].basis, theta[k], by_log)
+        np.testing.assert_allclose(values[k], expected.ravel(), rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(derivatives[k], by_log, rtol=1e-10, atol=1e-12)
+
+
+def test_bends_change_a_law_by_as_much_as_they_say_and_as_no_parameter_does(blocks):
+    basis, nominal, found = blocks[0].basis, blocks[0].nominal, law.bends(blocks[0])
+    strains = law.STRAINS
+    for m in range(6):
+        exponentials = np.exp(basis["nodes"][m] * (strains - basis["centre"][m])[:, None])
+        relative = (
+            exponentials @ found.reshape(6, 5, 12)[m, :, 2 * m : 2 * m + 2] / (exponentials @ nominal[m])[:, None]
+        )
+        np.testing.assert_allclose(np.mean(relative**2, axis=0), 1.0, rtol=0.05)
+        np.testing.assert_allclose(relative.T @ np.column_stack([np.ones_like(strains), strains]), 0.0, atol=0.1)
+
+
+def test_what_is_integrated_out_leaves_what_dense_covariances_leave(blocks):
+    one, _ = blocks
+    sizes = np.array([[1.0, 0.1, 0.3, law_size] for law_size in bank.LAWS])
+    information, score, _ = bank._about_tensions(one, 2.0, sizes)
+    total, pulled = one.information.sum(axis=0) / 2.0, one.score.sum(axis=0) / 2.0
+    prior = np.concatenate([np.zeros(30), one.sds(sizes[:1])[0] ** -2.0])
+    cov = np.linalg.inv(total + np.diag(prior))
+    np.testing.assert_allclose(np.linalg.inv(information[0]), cov[:30, :30], rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.solve(information[0], score[0]), (cov @ pulled)[:30], rtol=1e-5, atol=1e-9)
+    bent = sizes[2, 3] * law.bends(one)
+    wider = np.linalg.inv(information[0]) + bent @ bent.T
+    np.testing.assert_allclose(np.linalg.inv(information[2]), wider, rtol=1e-4, atol=1e-5)
+
+
+def test_a_size_that_is_there_is_found_and_one_that_is_not_is_zero(blocks):
+    one, _ = blocks
+    found = bank.mixture(one, 1.0)
+    np.testing.assert_allclose(found.sizes, [1.0, 0.1, 0.1, 0.0])
+    without = replace(one, score=np.einsum("bij,j->bi", one.information, np.zeros(one.score.shape[1])))
+    np.testing.assert_array_equal(bank.mixture(without, 1.0).sizes, [1.0, 0.0, 0.0, 0.0])
+
+
+def test_parts_that_agree_have_no_excess_and_parts_that_do_not_have_one(blocks, rng):
+    one, _ = blocks
+    assert excess(one, joint_of(one, bank.mixture(one, 1.0), 1.0), 1.0) < 1.0
+    pushed = replace(one, score=one.score + 5.0 * (one.score - one.score.mean(axis=0)))
+    assert excess(pushed, joint_of(pushed, bank.mixture(pushed, 1.0), 1.0), 1.0) > 3.0
+
+
+def test_an_offset_of_the_load_cell_is_learnt_and_nothing_where_there_is_none():
+    honest, off = played(), of_cell()
+    for recording, most in ((honest, 2.0), (off, 6.0)):
+        means, covs = learnt_beliefs(recording.records, *last(recording))
+        assert nees(means - recording.truth, covs).mean() / 12 < most
+    assert nees(last(off)[0] - off.truth, last(off)[1]).mean() / 12 > 50.0
+    wider = np.sqrt(np.diagonal(learnt_beliefs(honest.records, *last(honest))[1], axis1=1, axis2=2))
+    assert np.median(wider / np.sqrt(np.diagonal(last(honest)[1], axis1=1, axis2=2))) < 1.15
+
+
+def test_a_short_record_and_one_of_two_condyles_teach_no_size():
+    record = played().records[0]
+    assert learnt(record.until(3.0), record.prior.mean) is None
+    kwargs = {"record": True, "episode_s": 1.0, "model": "bilateral"}
+    (two,) = jawenv.play(jawenv.Player("slow_opening"), patients=1, seed=0, env_kwargs=kwargs).records
+    assert learnt(two, two.prior.mean) is None
+
+
+def test_blocks_begin_within_the_prior_wherever_the_filter_is():
+    record = played().records[0]
+    blocks = blocks_of(record, record.prior.mean + 50.0)
+    assert np.all(np.abs(blocks.point - PRIOR.mean) <= 4.0 * PRIOR.sd + 1e-12)
+    assert np.isfinite(blocks.information).all()
+
+
+def test_identification_and_score_have_it_where_asked_for():
+    off = of_cell()
+    plain, found = identified(off.records[0]), identified(off.records[0], untold=True)
+    assert plain.learnt is None and found.learnt is not None
+    np.testing.assert_array_equal(found.estimate.mean[-1], found.learnt.mean)
+    np.testing.assert_array_equal(found.estimate.cov[:-1], plain.estimate.cov[:-1])
+    assert jawenv.score(off, untold=True).nees.mean() < 0.2 * jawenv.score(off).nees.mean()
+    with pytest.raises(InputError, match="records is None") as error:
+        jawenv.score(replace(off, records=None), untold=True)
+    assert "\n" not in str(error.value)
