@@ -158,7 +158,7 @@ _CONSTANTS = (
     ("jawenv.mechanics.building", "CONDYLE_STIFFNESS", 1, "N/m", "the capsule's stops, soft enough for the step", "G"),
     ("jawenv.mechanics.building", "STOP_WIDTH", 1e3, "mm", "quadratic onset $w$ of teeth and capsule", "G"),
     ("jawenv.mechanics.equilibrium", "HOLD_STIFFNESS", 1, "N/m", "spring that holds the mouth open", "numerical"),
-    ("jawenv.mechanics.equilibrium", "TOLERANCE", 1, "m/s2, rad/s2", "acceleration left over at rest", "numerical"),
+    ("jawenv.mechanics.dynamics", "REST_TOLERANCE", 1, "m/s2, rad/s2", "acceleration left over at rest", "numerical"),
     ("jawenv.device.comfort_settings", "Comfort.painless_force_N", 1, "N", "pull that ends the painless range", "G"),
     ("jawenv.device.comfort_settings", "Comfort.painless_range_mm", 1, "mm", "its largest extent above rest", "G"),
     ("jawenv.device.comfort_settings", "Comfort.largest_opening_mm", 1, "mm", "its largest opening in all", "G"),
