@@ -21,7 +21,7 @@ from jawenv.filter.belief.state import (
 from jawenv.filter.model.basis import N_NODES
 from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.filter.nuisances.turned import N_SHAPES
-from jawenv.filter.nuisances.unknowns import FARTHEST, WRENCH_UNITS
+from jawenv.filter.nuisances.unknowns import WRENCH_UNITS
 from jawenv.filter.tick import FilterScratch, begin_filter, filter_scratch_dtype, take_readings, tick_dtype
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
