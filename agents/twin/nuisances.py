@@ -130,7 +130,7 @@ class Nuisances:
         force, moment = (torch.linalg.cross(axes, body[..., k : k + 1, :].expand(shape)) for k in range(2))
         x, y, opening, yaw = (pose.q[..., k] / scale for k, scale in enumerate((5e-3, 3e-3, 0.2, 0.05)))
         shapes = torch.stack([torch.ones_like(x), opening, opening**2, x, y, yaw], -1)  # as ``filter.nuisances.turned``
-        offset = torch.einsum("...s,msk->...mk", shapes, self.offset.reshape(*self.offset.shape[:-1], -1, 6))
+        offset = torch.einsum("...s,msk->...mk", shapes, self.offset.reshape(len(self), -1, 6))
         force, moment = force - offset[..., :3], moment - offset[..., 3:]
         return torch.cat([pose.arms(force), pose.arms(moment)], -1)
 

@@ -84,6 +84,7 @@ class Subject:
     notice: str  # disclaimer
     prior: Prior  # belief about the muscles before the first treatment
     effects: str = ""  # effects unknown to the estimate; empty for none
+    believed: tuple[Markup, str] | None = None  # figure and words of whether to believe it, of a recording
 
     @classmethod
     def simulated(cls, entry: Entry, person: Person, plan: Course, seconds: float) -> Subject:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from eval.kept.tables import made_with
-from eval.patient import page
+from eval.patient import believed, page
 from eval.patient.courses import MOMENTS
 from eval.patient.treatments import Treatment
 from jawenv.anatomy import PARAMETER_NAMES
@@ -47,6 +47,7 @@ def write_page(record: Record, result: Identification, recording: Path, target: 
         account=f"{record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz, {result.rows:,} rows, {result.refused:,} refused",
         notice="Research, not a medical device." + (" The patient is simulated." if simulated else ""),
         prior=record.prior,
+        believed=None if result.learnt is None else (believed.figure(result.learnt), believed.in_words(result.learnt)),
     )
     command = shlex.join(["jawenv", "identify", str(recording), "--page", str(target)])
     return page.write(page.render(subject, [treatment], made_with(command), simulated), target)

@@ -38,6 +38,7 @@ class Mixture:
     weights: Array  # (N,) of the sizes
     best: Array  # (p,) the mean under the most probable sizes
     sizes: Array  # (4,) these
+    every: Array  # (N, 4) all sizes
 
 
 def mixture(blocks: Blocks, temperature: float) -> Mixture:
@@ -54,7 +55,7 @@ def mixture(blocks: Blocks, temperature: float) -> Mixture:
     away = means[used] - mean
     cov = np.einsum("n,nij->ij", weights[used], covs[used] + away[:, :, None] * away[:, None, :])
     first = int(weights.argmax())
-    return Mixture(mean, 0.5 * (cov + cov.T), weights, means[first], sizes[first])
+    return Mixture(mean, 0.5 * (cov + cov.T), weights, means[first], sizes[first], sizes)
 
 
 def _beforehand(sizes: Array, wrench: float) -> Array:

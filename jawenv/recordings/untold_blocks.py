@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import IMAGED
+from jawenv.device.force_sensor import N_SHAPES
 from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.belief.state import (
     FARTHEST,
@@ -20,7 +21,6 @@ from jawenv.filter.belief.state import (
 )
 from jawenv.filter.model.basis import N_NODES
 from jawenv.filter.nuisances.changed_jaw import move_jaw
-from jawenv.filter.nuisances.turned import N_SHAPES
 from jawenv.filter.nuisances.unknowns import WRENCH_UNITS
 from jawenv.filter.tick import FilterScratch, begin_filter, filter_scratch_dtype, take_readings, tick_dtype
 from jawenv.kernels.compiled import njit
@@ -71,7 +71,7 @@ class Blocks:
         return values
 
     def sds(self, sizes: Array) -> Array:
-        """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``bank.SIZES``."""
+        """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``untold_bank.SIZES``."""
         others = self.score.shape[1] - self.tensions - 1 - N_OF_WRENCH
         scan, constant, shapes, _ = (sizes[:, j, None] for j in range(4))
         gain = np.full((len(sizes), 1), self.gain_sd)

@@ -13,6 +13,7 @@ from jawenv.mechanics.bilateral import N_BODY
 from jawenv.recordings.record import Record
 from jawenv.recordings.untold_bank import mixture
 from jawenv.recordings.untold_blocks import blocks_of
+from jawenv.recordings.untold_shown import Shown, shown
 from jawenv.recordings.untold_temperature import excess, joint_of
 
 Array = NDArray[np.float64]
@@ -29,7 +30,8 @@ class Learnt:
     mean: Array  # (p,) natural logs
     cov: Array  # (p, p)
     temperature: float  # what the information was divided by
-    sizes: Array  # (4,) the most probable, see ``bank.SIZES``
+    sizes: Array  # (4,) the most probable, see ``untold_bank.SIZES``
+    shown: Shown  # the reasons, to be drawn
 
 
 def learnt(record: Record, mean: Array) -> Learnt | None:
@@ -47,14 +49,16 @@ def learnt(record: Record, mean: Array) -> Learnt | None:
     blocks = blocks_of(record, mean)
     if len(blocks.score) < FEWEST or not np.isfinite(blocks.information).all():
         return None
-    temperature = 1.0
+    temperature, spread = 1.0, 1.0
     for _ in range(ROUNDS):
         found = mixture(blocks, temperature)
-        beyond = excess(blocks, joint_of(blocks, found, temperature), temperature)
+        beyond = excess(blocks, joint_of(blocks, found.best, found.sizes, temperature), temperature)
         if beyond <= ENOUGH:
-            return Learnt(found.mean, found.cov, temperature, found.sizes)
+            break
         temperature *= beyond
-    return Learnt(found.mean, beyond * found.cov, temperature, found.sizes)
+    else:
+        spread = beyond
+    return Learnt(found.mean, spread * found.cov, temperature, found.sizes, shown(blocks, found, temperature))
 
 
 def learnt_beliefs(records: Sequence[Record] | None, means: Array, covs: Array) -> tuple[Array, Array]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.recordings.untold_bank import Mixture
 from jawenv.recordings.untold_blocks import BLOCK_S, Blocks
 from jawenv.recordings.untold_law import bends, tensions
 
@@ -28,16 +27,16 @@ class _Joint:
     directions: Array  # (n, k) what each does to the columns
 
 
-def joint_of(blocks: Blocks, found: Mixture, temperature: float) -> _Joint:
-    """The joint mode under the most probable sizes."""
-    c, law = blocks.tensions, found.sizes[3]
+def joint_of(blocks: Blocks, theta: Array, sizes: Array, temperature: float) -> _Joint:
+    """The joint mode under some sizes, at given parameters ``theta`` (p,)."""
+    c, law = blocks.tensions, sizes[3]
     total, score = blocks.information.sum(axis=0) / temperature, blocks.score.sum(axis=0) / temperature
-    sds = blocks.sds(found.sizes[None])[0]
+    sds = blocks.sds(sizes[None])[0]
     shown = sds > 0.0
     laws = bends(blocks) if law > 0.0 else np.zeros((c, 0))
     others = np.zeros((len(score), shown.sum() + laws.shape[1]))
     others[c:, : shown.sum()], others[:c, shown.sum() :] = np.diag(sds)[:, shown], law * laws
-    coefficients, by_log = tensions(blocks.basis, found.best[None])
+    coefficients, by_log = tensions(blocks.basis, theta[None])
     moved, muscles = np.zeros(len(score)), np.zeros((len(score), by_log.shape[2]))
     moved[:c], muscles[:c] = coefficients[0] - blocks.nominal.ravel(), by_log[0] * blocks.prior_sd
     inner = others.T @ total @ others + np.eye(others.shape[1])
@@ -45,7 +44,7 @@ def joint_of(blocks: Blocks, found: Mixture, temperature: float) -> _Joint:
     return _Joint(values, np.column_stack([muscles, others]))
 
 
-def _disagreement(blocks: Blocks, joint: _Joint, groups: NDArray[np.intp], temperature: float) -> tuple[Array, Array]:
+def disagreement(blocks: Blocks, joint: _Joint, groups: NDArray[np.intp], temperature: float) -> tuple[Array, Array]:
     """Chi-squared (G,) of each left-out group's word on the parameters against the rest's, and degrees of freedom."""
     parameters = len(blocks.point)
     left = blocks.score - blocks.information @ joint.values
@@ -77,7 +76,7 @@ def _groups_of_time(blocks: Blocks, number: int) -> NDArray[np.intp]:
     return groups
 
 
-def _groups_of_poses(blocks: Blocks, number: int = TENTHS) -> NDArray[np.intp]:
+def groups_of_poses(blocks: Blocks, number: int = TENTHS) -> NDArray[np.intp]:
     """(B,) group of each block, of so many poses that lie together: means of Lloyd's kind."""
     places = blocks.poses * np.array([1.0, 1.0, 0.08, 0.08, 0.08])  # angles over the mouthpiece's arm
     number = min(number, len(places))
@@ -97,10 +96,10 @@ def excess(blocks: Blocks, joint: _Joint, temperature: float) -> float:
     """
     count = len(blocks.score)
     stretches = {min(TENTHS, count), max(2, round(count * BLOCK_S / 10.0)), 2}
-    ways = [_groups_of_time(blocks, number) for number in sorted(stretches)] + [_groups_of_poses(blocks)]
+    ways = [_groups_of_time(blocks, number) for number in sorted(stretches)] + [groups_of_poses(blocks)]
     worst = 0.0
     for groups in ways:
-        squares, degrees = _disagreement(blocks, joint, groups, temperature)
+        squares, degrees = disagreement(blocks, joint, groups, temperature)
         freedom = max(degrees.sum(), 1.0)
         worst = max(worst, float(squares.sum() / freedom - CHANCE * np.sqrt(2.0 / freedom)))
     return worst

@@ -64,6 +64,11 @@ def blocks(rng):
     ), truth
 
 
+def joint(blocks):
+    found = bank.mixture(blocks, 1.0)
+    return joint_of(blocks, found.best, found.sizes, 1.0)
+
+
 def test_tensions_are_those_of_the_filter(rng, blocks):
     theta = PRIOR.mean + PRIOR.sd * rng.standard_normal((3, 12))
     values, derivatives = law.tensions(blocks[0].basis, theta)
@@ -111,9 +116,9 @@ def test_a_size_that_is_there_is_found_and_one_that_is_not_is_zero(blocks):
 
 def test_parts_that_agree_have_no_excess_and_parts_that_do_not_have_one(blocks, rng):
     one, _ = blocks
-    assert excess(one, joint_of(one, bank.mixture(one, 1.0), 1.0), 1.0) < 1.0
+    assert excess(one, joint(one), 1.0) < 1.0
     pushed = replace(one, score=one.score + 5.0 * (one.score - one.score.mean(axis=0)))
-    assert excess(pushed, joint_of(pushed, bank.mixture(pushed, 1.0), 1.0), 1.0) > 3.0
+    assert excess(pushed, joint(pushed), 1.0) > 3.0
 
 
 def test_an_offset_of_the_load_cell_is_learnt_and_nothing_where_there_is_none():
@@ -124,6 +129,14 @@ def test_an_offset_of_the_load_cell_is_learnt_and_nothing_where_there_is_none():
     assert nees(last(off)[0] - off.truth, last(off)[1]).mean() / 12 > 50.0
     wider = np.sqrt(np.diagonal(learnt_beliefs(honest.records, *last(honest))[1], axis1=1, axis2=2))
     assert np.median(wider / np.sqrt(np.diagonal(last(honest)[1], axis1=1, axis2=2))) < 1.15
+
+
+def test_what_no_muscle_pulls_is_about_nothing_where_nothing_does_and_of_the_cell_where_it_is_off():
+    honest, off = (learnt(each.records[0], last(each)[0][0]).shown for each in (played(), of_cell()))
+    assert np.all(np.abs(honest.force) < 4.0 * honest.force_sd + 0.02) and np.abs(honest.force).max() < 0.2
+    assert np.all(np.diff(honest.opening) > 0.0) and len(honest.pose_opening) == len(honest.disagreement) > 5
+    assert np.median(honest.disagreement) < 2.0
+    assert np.abs(off.force).max() > 0.1 and np.abs(off.force).max() > 3.0 * np.abs(honest.force).max()
 
 
 def test_a_short_record_and_one_of_two_condyles_teach_no_size():

@@ -21,11 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.device import N_MOTORS, Linkage
-from jawenv.device.force_sensor import N_ERRORS
+from jawenv.device.force_sensor import N_ERRORS, N_OFFSETS
 from jawenv.filter.model.basis import N_NODES, Basis, basis_dtype, set_coefficients
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.motion_step import padded
-from jawenv.filter.nuisances.turned import N_OFFSETS
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
 from jawenv.device.device import N_MOTORS
-from jawenv.device.force_sensor import N_SDS
+from jawenv.device.force_sensor import N_OFFSETS, N_SDS, N_SHAPES
 from jawenv.filter.belief.state import FARTHEST
-from jawenv.filter.nuisances.turned import N_OFFSETS, N_SHAPES
 from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
