@@ -13,9 +13,7 @@ import numpy as np
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES
 from jawenv.base.errors import InputError, MissingPackageError
 from jawenv.base.files import check_kept, write_text
-from jawenv.metrics.calibration import YELLOW, alarm_word
-from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
-from jawenv.recordings.answer import (
+from jawenv.commands.answer import (
     UNKNOWN,
     as_mapping,
     assumed_in_words,
@@ -25,6 +23,8 @@ from jawenv.recordings.answer import (
     judgements,
     least_known,
 )
+from jawenv.metrics.calibration import YELLOW, alarm_word
+from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import LEAST_S, Identification, identified
 from jawenv.recordings.plausibility import findings

@@ -13,10 +13,16 @@ from jawenv.device.comfort import N_LIMITS, ComfortRecord, Limits, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
 from jawenv.device.motors import Motors
-from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype, joint_size
+from jawenv.filter.belief.state import (
+    N_OFFSETS,
+    Belief,
+    FilterSettings,
+    belief_dtype,
+    filter_settings_dtype,
+    joint_size,
+)
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_NOISE, N_SAMPLES
-from jawenv.filter.nuisances.turned import N_OFFSETS
 from jawenv.filter.tick import FilterScratch
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_STATES

@@ -10,12 +10,10 @@ and is not read is an offset of the reading with the other sign.
 
 from __future__ import annotations
 
+from jawenv.filter.belief.state import N_SHAPES
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import cross
 from jawenv.mechanics.dynamics import N_WRENCH
-
-N_SHAPES = 6
-N_OFFSETS = N_SHAPES * N_WRENCH
 
 
 @njit
