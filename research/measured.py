@@ -26,7 +26,7 @@ def _with_tone(tone_N: float = 0.0) -> Mandible:
     return replace(default_mandible(), closing_tone_N=tone_N)
 
 
-def shares_lost(change: str) -> np.ndarray:
+def _shares_lost(change: str) -> np.ndarray:
     """Shares of the openings under ``LOADS_N`` that a stiffer healthy jaw loses, (2,)."""
     F_o, b, tone = CHANGES[change]
     before = COHORTS["healthy"].prior.mean
@@ -47,7 +47,7 @@ def rows() -> list[tuple[str, str, str, str]]:
     rest = passive_opening(people["healthy"], (0.0,))[:, 0]
     pulls = pull_to_open(people["healthy"], (20.0, 30.0, 40.0), mandible=_with_tone(), head_tilt_deg=ON_THE_BACK)
     own = {name: passive_opening(people[name], (32.0,))[:, 0] for name in ("trismus", "severe")}
-    lost = "; ".join(f"{name}: {100 * a:.0f} and {100 * b:.0f} %" for name in CHANGES for a, b in [shares_lost(name)])
+    lost = "; ".join(f"{name}: {100 * a:.0f} and {100 * b:.0f} %" for name in CHANGES for a, b in [_shares_lost(name)])
     return [
         ("rest, healthy, mm", _spread(rest), "2 to 4", "textbooks (R)"),
         ("trismus: opening by 32 N, mm", _spread(own["trismus"]), "at most 35", "Dijkstra 2006 (M)"),

@@ -13,9 +13,7 @@ import numpy as np
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES
 from jawenv.base.errors import InputError, MissingPackageError
 from jawenv.base.files import check_kept, write_text
-from jawenv.metrics.calibration import YELLOW, alarm_word
-from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
-from jawenv.recordings.answer import (
+from jawenv.commands.answer import (
     UNKNOWN,
     as_mapping,
     assumed_in_words,
@@ -25,6 +23,8 @@ from jawenv.recordings.answer import (
     judgements,
     least_known,
 )
+from jawenv.metrics.calibration import YELLOW, alarm_word
+from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import LEAST_S, Identification, identified
 from jawenv.recordings.plausibility import findings
@@ -56,7 +56,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
-    result = identified(record)
+    result = identified(record, untold=True)
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
     fitted = result.rows - result.refused
     print(f"rows:    {result.rows:,} read, {fitted:,} fitted, {result.refused:,} refused by the filter's gate")

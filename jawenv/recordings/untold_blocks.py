@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import IMAGED
-from jawenv.device.force_sensor import N_SHAPES
 from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.belief.state import (
     FARTHEST,
+    N_SHAPES,
     Belief,
     FilterSettings,
     begin_motion,

@@ -11,9 +11,16 @@ from numpy.typing import NDArray
 from jawenv.device.channels import Tracker
 from jawenv.device.comfort import N_LIMITS, ComfortRecord, Limits, limits_dtype
 from jawenv.device.device import N_MOTORS
-from jawenv.device.force_sensor import N_ERRORS, N_OFFSETS
+from jawenv.device.force_sensor import N_ERRORS
 from jawenv.device.motors import Motors
-from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype, joint_size
+from jawenv.filter.belief.state import (
+    N_OFFSETS,
+    Belief,
+    FilterSettings,
+    belief_dtype,
+    filter_settings_dtype,
+    joint_size,
+)
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_NOISE, N_SAMPLES
 from jawenv.filter.tick import FilterScratch

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
 from jawenv.device.device import N_MOTORS
-from jawenv.device.force_sensor import N_OFFSETS, N_SDS, N_SHAPES
-from jawenv.filter.belief.state import FARTHEST
+from jawenv.device.force_sensor import N_SDS
+from jawenv.filter.belief.state import FARTHEST, N_OFFSETS, N_SHAPES
 from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
@@ -138,10 +138,10 @@ def draw_unknowns(lines: int, generator: np.random.Generator, known: Knowledge =
     generator.standard_normal(values[MOTORS].shape)  # as before the motors had a stream of their own: patients stay
     for name in late:
         values[name] = _normals(values[name], generator)
-    return with_inertial(values)
+    return _with_inertial(values)
 
 
-def with_inertial(values: Values) -> Values:
+def _with_inertial(values: Values) -> Values:
     """The same with accelerations that show its mass and centre of mass."""
     return values | {AGAIN: np.append(values["mass"], values["centre_of_mass"])}
 
@@ -219,7 +219,7 @@ def offset_of(knowledge: Knowledge, values: Values) -> Array:
 
 def with_anatomy_of(patient: Values, session: Values) -> Values:
     """The patient's own values of one, and the session's of another."""
-    return with_inertial(session | {name: patient[name] for name in OWN})
+    return _with_inertial(session | {name: patient[name] for name in OWN})
 
 
 def own_values(values: Values) -> NDArray[np.float64]:

@@ -8,8 +8,8 @@ import pytest
 
 import jawenv
 from agents import load_agent
+from jawenv.commands.answer import UNKNOWN
 from jawenv.commands.app import main
-from jawenv.recordings.answer import UNKNOWN
 from jawenv.recordings.files import load_record, save_record
 
 LABELS = ("prior_mean", "prior_sd", "knowledge", "truth", "start_mean", "start_sd")
