@@ -1,15 +1,12 @@
-"""The planners that come with the project, by name."""
+"""The planners that come with the project, by name; each is imported when it is made."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from types import MappingProxyType
 from typing import Protocol
 
-from agents.clairvoyant import Clairvoyant
 from agents.planning import Planner
-from agents.sampling_planner import SamplingPlanner
 from jawenv.controls import Control
 
 
@@ -19,11 +16,26 @@ class _MakesPlanner(Protocol):
     def __call__(self, *, control: Control) -> Planner: ...  # noqa: D102
 
 
+def _sampling(name: str, clairvoyant: bool) -> _MakesPlanner:
+    def make(*, control: Control) -> Planner:
+        from agents.sampling_planner import SamplingPlanner
+
+        return SamplingPlanner(name, clairvoyant=clairvoyant, control=control)
+
+    return make
+
+
+def _clairvoyant(*, control: Control) -> Planner:
+    from agents.clairvoyant import Clairvoyant
+
+    return Clairvoyant("clairvoyant", control=control)
+
+
 PLANNERS: Mapping[str, _MakesPlanner] = MappingProxyType(
     {
-        "myopic": partial(SamplingPlanner, "myopic"),
-        "clairvoyant_myopic": partial(SamplingPlanner, "clairvoyant_myopic", clairvoyant=True),
-        "clairvoyant": partial(Clairvoyant, "clairvoyant"),
+        "myopic": _sampling("myopic", clairvoyant=False),
+        "clairvoyant_myopic": _sampling("clairvoyant_myopic", clairvoyant=True),
+        "clairvoyant": _clairvoyant,
     }
 )
 """Name -> what makes it."""

@@ -37,6 +37,8 @@ class TrainedPolicy(BatchAgent):
         policy: stable-baselines3's own.
     """
 
+    is_trained = True
+
     def __init__(self, path: Path, policy: BasePolicy, control: Control | None = None) -> None:
         self.name = f"{path.resolve().parent.name}/{path.stem}"
         self.control = control

@@ -3,10 +3,7 @@
 import os
 from pathlib import Path
 
-from agents.own import load_own, source_of
 from agents.planners import PLANNERS
-from agents.policies import load_policy
-from agents.replay import Replay
 from jawenv.base.errors import InputError, not_among
 from jawenv.base.named_objects import is_named
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of
@@ -58,10 +55,16 @@ def load_agent(
     if named is not None:
         return named
     if path.suffix == ".npz":
+        from agents.replay import Replay
+
         return in_control(Replay.load(path), control, control_hz)
     if path.exists() or path.suffix == ".zip":
+        from agents.policies import load_policy
+
         return in_control(load_policy(path, env_id=model.env_id, trust=trust), control, control_hz)
     if is_named(str(spec)):
+        from agents.own import load_own
+
         own = load_own(str(spec), {"control": control, "control_hz": steps_per_s(control, control_hz)})
         control_of(own, {"control": control})
         return own
@@ -102,5 +105,7 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
     if path.exists():
         run = card_of(path)
         return (path,) if run is None else (path, run[0] / CARD)
+    from agents.own import source_of
+
     own = source_of(str(spec))
     return () if own is None else (own,)

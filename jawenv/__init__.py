@@ -14,7 +14,8 @@ from jawenv.envs.registration import register_environments
 if TYPE_CHECKING:
     from jawenv.analysis.bound import bound_along
     from jawenv.analysis.identifiability import identifiability
-    from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Anatomy, Cohort, Patient, cohort
+    from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
+    from jawenv.anatomy.description import Anatomy
     from jawenv.anatomy.knowledge import Knowledge
     from jawenv.base.errors import InputError
     from jawenv.device import Device
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from jawenv.recordings.online import OnlineFilter
 
 _HOMES = {
-    "Anatomy": "jawenv.anatomy",
+    "Anatomy": "jawenv.anatomy.description",
     "COHORTS": "jawenv.anatomy",
     "Cohort": "jawenv.anatomy",
     "Comfort": "jawenv.device.comfort_settings",
@@ -50,7 +51,7 @@ _HOMES = {
     "PatientLaw": "jawenv.inference.patient_law",
     "Plant": "jawenv.mechanics.plant",
     "Player": "jawenv.playing.maneuvers",
-    "acceleration": "jawenv.mechanics",
+    "acceleration": "jawenv.mechanics.acceleration",
     "bound_along": "jawenv.analysis.bound",
     "cohort": "jawenv.anatomy",
     "contrastive_bounds": "jawenv.inference.information_gain",

@@ -14,7 +14,7 @@ from typing import Literal
 
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
 from jawenv.base.errors import not_among
-from jawenv.mechanics.jaw import ALL_FREE
+from jawenv.mechanics.building import ALL_FREE
 
 Plant = Literal["midline", "contact", "bilateral"]
 Estimator = Literal["midline", "bilateral"]

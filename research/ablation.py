@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jawenv.controls import Control
-from jawenv.envs.world.plants import TICK
+from jawenv.device.device import TICK
 from jawenv.filter.learn import learn
 from jawenv.filter.model.motion_step import move
 from jawenv.filter.readings.lasting import stay_of

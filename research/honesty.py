@@ -3,7 +3,7 @@
     python -m research.honesty corners --patients 64 --seed 20000
     python -m research.honesty all > docs/tables/honesty.md
 
-bias: the largest mean z of all parameters, seven cohorts, three controls. corners: motors held at each of the 16
+bias: the largest mean z of all parameters, all cohorts, three controls. corners: motors held at each of the 16
 corners of their range. memory: a disturbance with memory, told rightly and wrongly. alarm: what rings, of calibrated
 episodes and of others. change: how much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo
 moves, beside the filter's own. effects: how wrong belief and change are under each effect that the filter is not told.
@@ -33,6 +33,7 @@ MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
 LOT, SECONDS = 50, 30.0  # patients that are played together; length of an episode
 LOST = 10.0  # NEES over the number of parameters
 RICH, SWINGS, PLAIN = "refined", "opening_with_swings_and_fore_aft", "slow_opening"
+ONE_CHANNEL = "examples/one_channel.yaml"
 POLICY_LIKE = ("random", "ou_strong")
 UNTOLD = (
     {"fossa_error": 0.1},
@@ -137,7 +138,7 @@ def memory(arguments):
 def bias(arguments):
     head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest mean z", "of")
     names = COHORTS[next(iter(COHORTS))].muscles.parameter_names
-    for cohort, control, name in product(COHORTS, CONTROLS, (RICH, SWINGS, PLAIN, "random")):
+    for cohort, control, name in product(COHORTS, CONTROLS, (RICH, SWINGS, PLAIN, ONE_CHANNEL, "random")):
         sample = beliefs(load_agent(name, control=control), arguments, cohort=cohort, control=control)
         means = statistics.means_together(sample.z)
         worst = int(np.argmax([abs(mean.value) for mean in means]))

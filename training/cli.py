@@ -66,7 +66,6 @@ Storage = Annotated[
     str,
     typer.Option(metavar="URL", help="Database of the study: sqlite:///runs/tune.db, postgresql://..., mysql://..."),
 ]
-Study = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the study; default the configuration's.")]
 
 app = command_line("Train agents that identify a patient's closing muscles.")
 app.command("optimise")(optimise)
@@ -159,7 +158,6 @@ def tune(
     config: Config = None,
     trials: Trials = 20,
     storage: Storage = "sqlite:///runs/tune.db",
-    study: Study = None,
     env: Environment = None,
     residual_on: ResidualOn = None,
     steps: Steps = None,
@@ -170,9 +168,8 @@ def tune(
     from training.run.tune import search
 
     training_config, stem = asked_for(config, {"env": env}, residual_on=residual_on, steps=steps)
-    name = study or stem
-    folder = output or Path("runs") / f"tune-{name}"
-    return search(training_config, name, trials, storage, folder, Console(highlight=False, markup=False))
+    folder = output or Path("runs") / f"tune-{stem}"
+    return search(training_config, stem, trials, storage, folder, Console(highlight=False, markup=False))
 
 
 @app.command("export")

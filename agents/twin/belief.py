@@ -17,7 +17,7 @@ from torch.nn.functional import pad
 from agents.twin.constants import Patients, Twin
 from agents.twin.disturbance import Disturbance
 from agents.twin.mechanics import Passive, Pose, force_noise, norm, shaken_information, shaking
-from jawenv.envs.world.plants import TICK
+from jawenv.device.device import TICK
 from jawenv.filter.readings.lasting import ALIKE, DRIFT_S, LASTING_ARM, MOST_TICKS, SLOWEST, SLOWEST_DRIFT
 from jawenv.filter.readings.teeth import TOOTH_NOISE
 

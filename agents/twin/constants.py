@@ -24,9 +24,8 @@ from jawenv.device.comfort import (
     OPENING,
     SIDE,
 )
+from jawenv.device.device import LAW_TICKS, TICK
 from jawenv.device.guard import CREST_SHARE, GUARDS
-from jawenv.envs.world.plants import TICK
-from jawenv.envs.world.tracking import LAW_TICKS
 from jawenv.ladder import title_of_env
 
 STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)

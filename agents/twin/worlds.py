@@ -17,9 +17,9 @@ from agents.twin.constants import LAWS_PER_DECISION, Patients, Twin
 from agents.twin.mechanics import Forces, Passive, Pose, forces, norm, ramp, wrenches
 from jawenv.device import laws
 from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST, N_CHANNELS, ROLL_FULL_SCALE_RAD
+from jawenv.device.device import TICK
 from jawenv.device.guard import FASTEST, REGROW, SHRINK_S
 from jawenv.device.motors import STOP_ONSET_WIDTH
-from jawenv.envs.world.plants import TICK
 from jawenv.filter.readings.teeth import NEAR
 
 FURTHEST = torch.tensor([2e-3, 2e-3, 0.05, 0.05, 0.05], dtype=torch.float64)

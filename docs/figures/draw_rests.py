@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from jawenv.device.comfort_settings import Comfort
 from jawenv.envs.world import reset_kernel
-from jawenv.mechanics import acceleration, build_jaw
+from jawenv.mechanics import build_jaw
+from jawenv.mechanics.acceleration import acceleration
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.passive_opening import opening_of

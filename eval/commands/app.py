@@ -63,7 +63,7 @@ def play_command(
     if video is None:
         if len(entries) > 1:
             raise InputError("video is none; allowed: a film of two, use --video FILE")
-        from jawenv.rendering.display import check_display
+        from jawenv.base.display import check_display
 
         check_display("a window", "use --video FILE, which writes a film")
     from eval.episodes import film

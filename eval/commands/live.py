@@ -11,7 +11,6 @@ from eval.commands import options
 from jawenv.base.errors import InputError
 from jawenv.base.seeds import REPORTS
 from jawenv.envs.configuration import Configuration
-from jawenv.live.server import PORT
 from jawenv.playing.agents import Agent, Planning
 
 
@@ -19,7 +18,7 @@ from jawenv.playing.agents import Agent, Planning
 def live_command(
     world: dict[str, Any],
     entries: Annotated[list[str], typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)],
-    port: Annotated[int, typer.Option(help="Of the page on this machine; 0 takes a free one.", metavar="N")] = PORT,
+    port: Annotated[int, typer.Option(help="Of the page on this machine; 0 takes a free one.", metavar="N")] = 8090,
     driver: Annotated[
         str | None, typer.Option(help="Who drives at first; the first entry by default.", metavar="NAME")
     ] = None,

@@ -123,6 +123,6 @@ def diagnose_command(
 
 
 def as_a_clinic(world: dict[str, Any]) -> dict[str, Any]:
-    """Arguments of a world with anatomy as an image gives it, unless the knowledge is named, or must be exact."""
+    """Arguments of a world of whose patient nothing is known: a cohort that is named stays, an exact anatomy too."""
     one_point = world.get("estimator") == "midline" or env_id_of(world["env"]) == DEFAULT_ENV
-    return {"knowledge": "imaged"} | world if one_point else world
+    return {"cohort": "anyone"} | ({"knowledge": "bench"} if one_point else {}) | world

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
+from eval.episodes.video import write_mp4, write_webp
 from eval.figures import words
 from jawenv.base.errors import InputError
 from jawenv.base.files import atomic_write
@@ -147,7 +148,7 @@ def write(films: Sequence[Film], path: Path, console: Console) -> str:
     scaled = (_scaled(picture, films[0].width) for picture in pictures)
     try:
         with alone(path), atomic_write(path) as unfinished:
-            (_write_webp if path.suffix == ".webp" else write_mp4)(unfinished, scaled, episodes[0].rate)
+            (write_webp if path.suffix == ".webp" else write_mp4)(unfinished, scaled, episodes[0].rate)
     except OSError as error:
         raise InputError(f"video: {path} cannot be written: {error}") from error
     return "\n".join(episode.outcome for episode in episodes)
@@ -166,37 +167,6 @@ def _pairs(left: Episode, right: Episode) -> Iterator[NDArray[np.uint8]]:
             if step is not _OVER:
                 shown[episode] = episode.scene(episode.name)
         yield renderer.draw(shown[left], shown[right])
-
-
-def write_mp4(path: Path, pictures: Iterable[NDArray[np.uint8]], rate: float, options: Sequence[str] = ()) -> None:
-    """Write pictures as they come.
-
-    Args:
-        path: of the film.
-        pictures: (height, width, 3), height and width even.
-        rate: pictures per second.
-        options: of ffmpeg.
-    """
-    import imageio.v2 as imageio
-
-    own = path.with_name(path.name + ".mp4")  # the writer goes by the ending
-    try:
-        writer: Any
-        with imageio.get_writer(own, fps=rate, macro_block_size=2, output_params=list(options)) as writer:
-            for picture in pictures:
-                writer.append_data(picture)
-        own.replace(path)
-    finally:
-        own.unlink(missing_ok=True)
-
-
-def _write_webp(path: Path, pictures: Iterable[NDArray[np.uint8]], rate: float) -> None:
-    """Write a film that repeats for ever."""
-    from PIL import Image
-
-    first, *rest = map(Image.fromarray, pictures)
-    duration = round(1e3 / rate)
-    first.save(path, "WEBP", save_all=True, append_images=rest, duration=duration, loop=0, quality=75)
 
 
 def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Self
 from agents import registry
 from agents.planners import PLANNERS
 from agents.planning import Planner
-from agents.policies import TrainedPolicy
 from agents.registry import world_of
 from jawenv.base.errors import InputError, shown
 from jawenv.base.seeds import REPORTS
@@ -17,7 +16,6 @@ from jawenv.controls import DEFAULT_CONTROL
 from jawenv.envs.configuration import Configuration
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS
 from jawenv.playing.agents import Agent
-from jawenv.playing.policies.residual import ResidualPolicy
 from jawenv.playing.recording import Recording
 from jawenv.playing.rollout import LARGEST_SEED, OnStep, play
 
@@ -193,7 +191,7 @@ def load_entry(
         spec=spec,
         world=world,
         note=", ".join(notes),
-        trained=trained is not None or isinstance(agent, TrainedPolicy | ResidualPolicy),
+        trained=trained is not None or getattr(agent, "is_trained", False) is True,
         description=getattr(maneuver or agent, "description", ""),
         agent=agent,
         planned=isinstance(agent, Planner),

@@ -33,6 +33,7 @@ from jawenv.metrics.verdicts import (
     WORDS,
     Verdict,
     truly,
+    verdict,
     verdicts,
 )
 
@@ -66,6 +67,7 @@ class _Card:
     verdict: Verdict  # word of the verdict
     badge: str  # CSS class of the verdict
     chance: str  # the probability in words
+    before: str  # what the prior gave it, in words
     since: str  # start of the present verdict; empty where nothing is known
     force: CardQuantity  # F_o
     stiffening: CardQuantity  # b
@@ -201,12 +203,15 @@ def _card(
     kind, side = name.rsplit("_", 1)
     title = f"{words.label(kind).capitalize()}, {side}"
     b = math.exp(float(course[-1].mean[-1, 2 * muscle + 1]))
+    pair = slice(2 * muscle, 2 * muscle + 2)
+    assumed = verdict(prior.mean[pair], np.diag(np.square(prior.sd[pair]))).chance_of(now.word)
     return _Card(
         title=title,
         location=LOCATIONS[kind],
         verdict=now,
         badge=drawing.class_of(now.word),
         chance=_chance(now.probability) if now.word != NO_VERDICT else "",
+        before=_chance(assumed) if now.word in FINDINGS else "",
         since=_since(course, prior, muscle, now.word),
         force=_quantity(course, changed, 2 * muscle, FORCE, f"Pull of the {title} over time", "N", show_truth),
         stiffening=_quantity(
@@ -288,12 +293,12 @@ def verdict_rows(person: Person, course: Sequence[Treatment], prior: Prior) -> l
         estimate, truth = np.exp(treatment.mean[-1]), np.exp(treatment.truth)
         low, high = np.exp(treatment.mean[-1] - SD_95 * sd), np.exp(treatment.mean[-1] + SD_95 * sd)
         changed = change_of(course[:number], prior) or Change(*np.full((2, len(truth)), np.nan))
-        for i, verdict in enumerate(verdicts_of(course[:number], prior)):
+        for i, found in enumerate(verdicts_of(course[:number], prior)):
             row: dict[str, object] = {"patient": person.name, "seed": person.seed, "treatment": number}
-            row |= {"muscle": MUSCLE_NAMES[i], "verdict": verdict.word, "probability": verdict.probability}
+            row |= {"muscle": MUSCLE_NAMES[i], "verdict": found.word, "probability": found.probability}
             row |= {
-                "stiff": verdict.stiff,
-                "blocked": verdict.blocked,
+                "stiff": found.stiff,
+                "blocked": found.blocked,
                 "truly": truly(treatment.truth[2 * i : 2 * i + 2]),
             }
             for symbol, k in (("F_o_N", 2 * i), ("b", 2 * i + 1)):

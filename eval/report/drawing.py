@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from eval.comparison.ranking import Ranking
 from eval.figures import words
+
+if TYPE_CHECKING:
+    from eval.comparison.ranking import Ranking
 
 INK = "#3b3f46"
 GRID = "#d3d7dd"

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from eval.comparison.ranking import Ranking, RankingRow
 from eval.comparison.results import Results
-from eval.episodes.film import write_mp4
+from eval.episodes.video import write_mp4
 from eval.report.learned import Learned
 from jawenv.anatomy import default_mandible
 from jawenv.base.progress import Progress

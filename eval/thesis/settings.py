@@ -18,7 +18,7 @@ from eval.thesis.prescribed import SLIDE, PrescribedMotion, lead
 from jawenv.anatomy import cohort
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
 from jawenv.device.device import Device
-from jawenv.mechanics.jaw import ALL_FREE, build_jaw
+from jawenv.mechanics.building import ALL_FREE, build_jaw
 from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
 from jawenv.envs.simulation import Simulation
-from jawenv.envs.world.own_anatomy import own_values
 from jawenv.filter.belief.posterior import set_omega
 from jawenv.filter.belief.state import shared_columns
 from jawenv.filter.model.basis import N_NODES, expand_coefficients
+from jawenv.filter.nuisances.unknowns import own_values
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class JointLikelihood:
     """The quadratic log likelihood of x, ``vector @ x - x @ information @ x / 2`` but for a constant.
 
     x are P natural-log parameters, and behind them Q values of the patient's own anatomy in prior sds, as
-    ``jawenv.envs.world.own_anatomy.own_values`` has them. It does not depend on where the filter was linearised last.
+    ``filter.nuisances.unknowns.own_values`` has them. It does not depend on where the filter was linearised last.
     """
 
     information: Array  # (P + Q, P + Q)

@@ -2,7 +2,6 @@
 
 from jawenv.anatomy.attachments import Attachment, AttachmentRow, attachment, attachment_rows
 from jawenv.anatomy.cohorts import COHORTS, Cohort, cohort
-from jawenv.anatomy.description import Anatomy, anatomy_of
 from jawenv.anatomy.fossa import Fossa, default_fossa
 from jawenv.anatomy.mandible import Mandible, default_mandible
 from jawenv.anatomy.muscles import (
@@ -28,7 +27,6 @@ __all__ = [
     "PARAMETER_NAMES",
     "PORTIONS",
     "WHOLE_MUSCLES",
-    "Anatomy",
     "Attachment",
     "AttachmentRow",
     "Cohort",
@@ -39,7 +37,6 @@ __all__ = [
     "Prior",
     "Quantity",
     "Stiffness",
-    "anatomy_of",
     "attachment",
     "attachment_rows",
     "cohort",

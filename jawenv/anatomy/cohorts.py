@@ -17,20 +17,48 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Annotated, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 from scipy.special import ndtr, ndtri
 
-from jawenv.anatomy.cohort_fields import CohortFields
 from jawenv.anatomy.muscles import MuscleSet, muscle_set
 from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N, Patient
 from jawenv.anatomy.prior import Prior
 from jawenv.anatomy.stiffness import Stiffness
 from jawenv.base.errors import InputError, not_among, shown
-from jawenv.base.files import FILE_TYPES, Source, instance_of, read_into, validate
+from jawenv.base.files import FILE_TYPES, InputModel, Number, Source, Text, instance_of, read_into, validate
 from jawenv.base.numeric_fields import whole_number
+
+Positive = Annotated[Number, Field(gt=0)]
+
+
+class StiffnessFields(InputModel):
+    """The fields of `Stiffness`."""
+
+    F_o_N: Positive
+    F_o_sd: Positive
+    b: Positive
+    b_sd: Positive
+
+
+class GroupFields(InputModel):
+    """Stiffness of every whole muscle on each side."""
+
+    left: StiffnessFields
+    right: StiffnessFields
+
+
+class CohortFields(InputModel):
+    """Equally likely groups, and what tables call the cohort."""
+
+    name: Text = Field(default="cohort", min_length=1)
+    description: Text = ""
+    basis: str = ""
+    groups: list[GroupFields] = Field(min_length=1)
+
 
 __all__ = ["COHORTS", "TRUNCATION_SD", "Cohort", "cohort"]
 

@@ -92,6 +92,9 @@ def _identify_command(
     page: Annotated[
         Path | None, typer.Option(help="Write the patient's page; needs a clone of the project.", metavar="FILE.html")
     ] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write all that is found as JSON, for a program to read.", metavar="FILE.json")
+    ] = None,
     check_only: Annotated[
         bool, typer.Option("--check", help="Only say whether each quantity is plausible; estimate nothing.")
     ] = False,
@@ -103,7 +106,7 @@ def _identify_command(
     from jawenv.commands.recordings import check, identify
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample}
-    return check(recording, reading) if check_only else identify(recording, reading, page)
+    return check(recording, reading) if check_only else identify(recording, reading, page, json)
 
 
 @app.command("import")

@@ -75,7 +75,7 @@ def play(maneuver: str, seed: int, world: Configuration) -> None:
     import gymnasium as gym
 
     import jawenv.envs.registration  # noqa: F401  (the ids)
-    from jawenv.rendering.display import check_display
+    from jawenv.base.display import check_display
 
     player = _agent_of(maneuver, world)
     check_display("a window", "use `jawenv live --driver NAME`, which shows it in a browser")

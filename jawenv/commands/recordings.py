@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 import importlib
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jawenv.anatomy import MUSCLE_NAMES
+from jawenv.anatomy import COHORTS, MUSCLE_NAMES
 from jawenv.base.errors import InputError, MissingPackageError
-from jawenv.base.files import check_kept
-from jawenv.metrics.verdicts import NO_VERDICT, OPEN, WITHHELD, Verdict, verdicts
+from jawenv.base.files import check_kept, write_text
+from jawenv.commands.answer import (
+    UNKNOWN,
+    as_mapping,
+    assumed_in_words,
+    at_the_edge,
+    cohort_assumed,
+    fitting_cohort,
+    judgements,
+    least_known,
+)
+from jawenv.metrics.calibration import YELLOW, alarm_word
+from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.files import load_record
-from jawenv.recordings.identification import Identification, identified
+from jawenv.recordings.identification import LEAST_S, Identification, identified
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
 
@@ -24,43 +36,61 @@ BLOCKS = {"F_o": "pull of the closed jaw F_o, N", "b": "stiffening b, no unit"}
 LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
 
 
-def identify(path: Path, reading: Mapping[str, Any], page: Path | None) -> int:
+def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: Path | None = None) -> int:
     """Print what the environments' filter finds in a recording, and whether it is to be believed.
 
     Args:
         path: of the file.
         reading: arguments of ``load_record``.
         page: where the patient's page is written; None for nowhere.
+        answer: where all is written as JSON; None for nowhere.
 
     Returns:
         Exit code: 0, or 3 where the estimates are not to be believed.
     """
     write_page = None if page is None else _page_writer()
-    if page is not None:
-        check_kept(page, [path, reading.get("columns")])
-    record = load_record(path, **reading)
+    for output in (page, answer):
+        if output is not None:
+            check_kept(output, [path, reading.get("columns")])
+    record = load_record(path, UNKNOWN, **reading)
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
-    result = identified(record)
+    result = identified(record, untold=True)
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
     fitted = result.rows - result.refused
     print(f"rows:    {result.rows:,} read, {fitted:,} fitted, {result.refused:,} refused by the filter's gate")
     print(f"numbers: {result.numbers:,} read, {result.left_out:,} left out (out of range, or of a frozen sensor)")
-    certainty = "exactly (--knowledge imaged: as a scan gives them)" if record.knowledge.exact else "within sds"
-    print(f"assumed: anatomy and mounting are known {certainty}")
-    print(f"alarm:   {'silent' if result.misfit <= 1.0 else 'RINGS'}, misfit {result.misfit:.3g} (it rings above 1)\n")
+    print(f"assumed: {assumed_in_words(record)}")
+    word = alarm_word(result.misfit).replace("rings", "RINGS")
+    print(f"alarm:   {word}, misfit {result.misfit:.3g} (yellow above {YELLOW:g}, it rings above 1)\n")
     _print_estimates(record, result)
-    if record.parameter_names[::2] == tuple(f"log_F_o/{name}" for name in MUSCLE_NAMES):
-        _print_muscles(record, result)
+    weakest, edge = least_known(record, result), at_the_edge(record, result)
+    print(f"least known: {weakest['words']}, sd {weakest['sd']:.1%} (before: {weakest['prior_sd']:.0%})")
+    if edge:
+        print(f"at the edge of what was assumed: {', '.join(edge)}")
+    _print_muscles(record, result)
     if write_page is not None:
         print(f"\npage: {write_page(record, result, path, page)}")
+    if answer is not None:
+        write_text(answer, json.dumps(as_mapping(record, result), indent=1) + "\n")
+        print(f"\nanswer: {answer}")
     if not result.believable:
-        print("\nNOT TO BE BELIEVED:")
-        for doubt in result.doubts:
-            print(f"- {doubt}")
-        print(f"Look at {LOOK_AT}.")
+        _print_doubts(record, result)
     return 0 if result.believable else NOT_BELIEVABLE
+
+
+def _print_doubts(record: Record, result: Identification) -> None:
+    """Why the estimates are not to be believed, the patient whom they fit first."""
+    print("\nNOT TO BE BELIEVED:", flush=True)
+    unfit = all(finding.plausible for finding in result.findings) and result.learnt_s >= LEAST_S
+    fits = fitting_cohort(record) if unfit else None
+    if fits is not None:
+        assumed = cohort_assumed(record) or "this prior"
+        print(f"- the recording fits {COHORTS[fits].description} (--cohort {fits}), not {assumed}")
+    for doubt in result.doubts:
+        print(f"- {doubt}")
+    print(f"Look at {LOOK_AT}." if fits is None else f"Identify it again with --cohort {fits}.")
 
 
 def check(path: Path, reading: Mapping[str, Any]) -> int:
@@ -89,12 +119,14 @@ def _print_estimates(record: Record, result: Identification) -> None:
 
 def _print_muscles(record: Record, result: Identification) -> None:
     """The verdict on every muscle, left beside right, with the ratio of their pulls."""
+    found = judgements(record, result)
+    if not found:
+        return
     mean, cov = result.estimate.mean[-1], result.estimate.cov[-1]
-    judgements = verdicts(mean, cov, record.prior.sd) if result.believable else [WITHHELD] * len(MUSCLE_NAMES)
     print(f"\n{'':18}{'left':33}{'right':33}F_o left : right, 95 %")
     for kind in dict.fromkeys(name.rsplit("_", 1)[0] for name in MUSCLE_NAMES):
         left, right = (MUSCLE_NAMES.index(f"{kind}_{side}") for side in ("left", "right"))
-        words = [_in_words(judgements[left]), _in_words(judgements[right])]
+        words = [_in_words(found[left]), _in_words(found[right])]
         ratio = mean[2 * left] - mean[2 * right]
         pair = [2 * left, 2 * right]
         reach = SD_95 * np.sqrt(np.array([1.0, -1.0]) @ cov[np.ix_(pair, pair)] @ np.array([1.0, -1.0]))

@@ -17,6 +17,8 @@ from jawenv.base.files import instance_of
 from jawenv.base.numeric_fields import NumericFields, number
 from jawenv.kernels.records import Array, record_dtype, record_zeros
 
+TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
+LAW_TICKS = 5  # from one command of the law of targets to the next: 20 Hz
 N_MOTORS = 4
 MOTOR_NAMES = ("vertical_left", "vertical_right", "horizontal_left", "horizontal_right")
 

@@ -35,8 +35,6 @@ ForceSensor = Literal["cell", "motors", "straps"]
 FORCE_SENSORS = get_args(ForceSensor)
 
 # Gain, Coulomb friction (N), viscous friction (N s/m), and a turn of the direction (3, rad, head axes), of each motor.
-N_SHAPES = 6  # of the pose, by which a load cell's offset goes (``filter.nuisances.turned``)
-N_OFFSETS = 6 * N_SHAPES
 N_ERRORS = 6
 N_SDS = 5  # of the errors of a motor: the turn of the direction is about two axes
 UNKNOWN_SHARE = 0.3  # sd; as noise that is new in each tick it weighs about what errors of 0.07 do that last 0.1 s (D)

@@ -5,27 +5,37 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
-from typing import Any, Literal, cast, get_args
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
-from jawenv.anatomy import COHORTS, Anatomy, Cohort, MuscleSet, anatomy_of, cohort
+from jawenv.anatomy import (
+    COHORTS,
+    Cohort,
+    Fossa,
+    Mandible,
+    MuscleSet,
+    cohort,
+    default_fossa,
+    default_mandible,
+)
 from jawenv.anatomy.knowledge import Knowledge, knowledge
 from jawenv.base.errors import InputError, UnknownArgumentError, meant, shown
 from jawenv.base.files import Source
-from jawenv.base.named_objects import is_named
 from jawenv.base.numeric_fields import NumericFields
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
 from jawenv.device.comfort_settings import Comfort, comfort_of
-from jawenv.device.device import Device, device_of
+from jawenv.device.device import TICK, Device, device_of
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.argument_checks import check_choice, checked_flag, checked_number, checked_rate
 from jawenv.envs.asked import checked_asked
-from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
 from jawenv.envs.registration import IMAGED
-from jawenv.envs.world.plants import TICK
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, model_named, model_of_env
-from jawenv.mechanics.plant import Plant, plant_of
 from jawenv.reality import Reality, check_reality
+
+if TYPE_CHECKING:
+    from jawenv.anatomy.description import Anatomy
+    from jawenv.envs.own_estimators import OwnEstimator
+    from jawenv.mechanics.plant import Plant
 
 Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
@@ -129,6 +139,8 @@ class Configuration:
             self._set(name, checked_flag(name, getattr(self, name)))
         self._set("comfort", comfort_of(self.comfort))
         if self.anatomy is not None:
+            from jawenv.anatomy.description import anatomy_of
+
             self._set("anatomy", anatomy_of(self.anatomy))
         self._set("cohort", cohort(self.cohort, self.muscles))
         self._set("asked", checked_asked(self.asked, self.muscles.names))
@@ -136,8 +148,17 @@ class Configuration:
         self._set("reality", check_reality(self.reality))
         self._set("knowledge", knowledge(self.knowledge))
         self._check_exactness()
-        if not (self.plant is None or isinstance(self.plant, str) and is_named(self.plant)):
-            plant_of(self.plant)  # one that is named is not imported before it is to move
+        if self.plant is not None:
+            self._check_plant(self.plant)
+
+    @staticmethod
+    def _check_plant(plant: str | Plant) -> None:
+        """A plant that is named is not imported before it is to move."""
+        from jawenv.base.named_objects import is_named
+        from jawenv.mechanics.plant import plant_of
+
+        if not (isinstance(plant, str) and is_named(plant)):
+            plant_of(plant)
 
     def _check_estimator(self) -> None:
         """The estimator is one of the model's, or the user's own."""
@@ -220,14 +241,18 @@ class Configuration:
 
     @property
     def own_estimator(self) -> OwnEstimator | None:
-        """The user's estimator, which every world has a copy of."""
-        return cast(OwnEstimator, self.estimator) if is_own_estimator(self.estimator) else None
+        """The user's estimator, which every world has a copy of; ``belief`` may appear with its first reset."""
+        value: Any = self.estimator
+        calls = [callable(getattr(value, name, None)) for name in ("reset", "update")]
+        return value if all(calls) and not isinstance(value, type) else None
 
     @property
     def own_plant(self) -> Plant | None:
         """The user's plant, of which every episode has a copy; where it is named, its module is imported."""
         if self.plant is None:
             return None
+        from jawenv.mechanics.plant import plant_of
+
         plant = plant_of(self.plant)
         reality = self.build_reality()
         if (reality.creep_share or reality.reflex_gain) and not hasattr(plant, "take_muscles"):
@@ -256,15 +281,26 @@ class Configuration:
         """Control periods in an episode."""
         return round(self.episode_s * self.steps_per_s)
 
-    def build_anatomy(self) -> Anatomy:
-        """Attachments, mandible and fossa that the filter believes in; those of the truth unless something errs."""
-        return anatomy_of(self.anatomy)
+    @property
+    def _own_anatomy(self) -> Anatomy | None:
+        return cast("Anatomy | None", self.anatomy)
+
+    @property
+    def mandible(self) -> Mandible:
+        """The mandible that the filter believes in; that of the truth unless something errs."""
+        return default_mandible() if self._own_anatomy is None else self._own_anatomy.mandible
+
+    @property
+    def fossa(self) -> Fossa:
+        """The condylar path that the filter believes in."""
+        return default_fossa() if self._own_anatomy is None else self._own_anatomy.fossa
 
     @property
     def muscles(self) -> MuscleSet:
         """The muscles of the model with their lines of action."""
         model = model_named(self.model)
-        return model.muscles if self.anatomy is None else self.build_anatomy().muscle_sets()[model.muscle_set]
+        own = self._own_anatomy
+        return model.muscles if own is None else own.muscle_sets()[model.muscle_set]
 
     def build_comfort(self) -> Comfort:
         """The comfort limits, with the user's changes."""
@@ -315,8 +351,8 @@ def _plain(name: str, value: object) -> Any:
         return value.name if shipped is not None and shipped.groups == value.groups else value.to_dict()
     if isinstance(value, NumericFields):
         return value.changes()
-    if isinstance(value, Anatomy):
-        return value.to_dict()
+    if name == "anatomy" and value is not None:
+        return cast("Anatomy", value).to_dict()
     if not (value is None or isinstance(value, str | bool | int | float)):
         raise InputError(
             f"{name} is {shown(value)}; allowed where a configuration is kept: a name, a number, a mapping"
@@ -324,12 +360,15 @@ def _plain(name: str, value: object) -> Any:
     return value
 
 
-def configure(arguments: Mapping[str, object], owner: type = Configuration) -> Configuration:
+def configure(
+    arguments: Mapping[str, object], owner: type = Configuration, base: Configuration | None = None
+) -> Configuration:
     """Configuration from keyword arguments.
 
     Args:
         arguments: By name.
         owner: The class that got them, for the message.
+        base: Another one, which has the arguments that are not given; their defaults without it.
 
     Raises:
         UnknownArgumentError: an argument is unknown; both an ``InputError`` and a ``TypeError``, in Python's words.
@@ -342,4 +381,4 @@ def configure(arguments: Mapping[str, object], owner: type = Configuration) -> C
                 f"{owner.__name__}.__init__() got an unexpected keyword argument {shown(name)}; "
                 f"{meant(name, names)}allowed: {', '.join(names)}"
             )
-    return Configuration(**cast(Any, arguments))
+    return Configuration(**cast(Any, arguments)) if base is None else replace(base, **cast(Any, arguments))

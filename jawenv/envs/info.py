@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.comfort import COMFORT_LIMITS
-from jawenv.envs.world.plants import TICK
+from jawenv.device.device import TICK
 
 _COST_KEYS = tuple(f"cost_{name}" for name in COMFORT_LIMITS)
 _COMFORT_KEYS = tuple(f"comfort_{name}" for name in COMFORT_LIMITS)

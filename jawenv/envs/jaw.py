@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import gymnasium as gym
 import numpy as np
@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.actions import checked_action
+from jawenv.envs.argument_checks import checked_action
 from jawenv.envs.configuration import configure, described
-from jawenv.envs.observation import OBSERVATION_BOUND
 from jawenv.envs.reset_options import (
     checked_keys,
     checked_options,
@@ -25,9 +24,11 @@ from jawenv.envs.reset_options import (
     episode_keys,
 )
 from jawenv.envs.rewards import potential
-from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
-from jawenv.envs.snapshots import Snapshot, restore_snapshot, take_snapshot
+from jawenv.envs.world.layout import OBSERVATION_BOUND
+
+if TYPE_CHECKING:
+    from jawenv.envs.snapshots import Snapshot
 
 Observation = NDArray[np.float32]
 Action = NDArray[np.float32]
@@ -120,7 +121,7 @@ class JawEnv(gym.Env[Observation, Action]):
             raise InputError(f"render_mode is {shown(render_mode)}; allowed: {modes}")
         self.configuration = configure(arguments, type(self))
         if render_mode == "human":
-            from jawenv.rendering.display import check_window
+            from jawenv.base.display import check_window
 
             check_window("render_mode: 'human'", "use 'rgb_array', or SDL_VIDEODRIVER=dummy to draw unseen")
         self.render_mode = render_mode
@@ -171,7 +172,7 @@ class JawEnv(gym.Env[Observation, Action]):
         self._potential = float(potential(self.configuration.reward, self.simulation)[0])
         if self.render_mode is not None:
             self._renderer_made().reset()
-            self._renderer.note(moment_of(self.simulation))
+            self._note()
         if self.render_mode == "human":
             self.render()
         return self.simulation.observation[0].copy(), self.simulation.reader.first()
@@ -197,8 +198,7 @@ class JawEnv(gym.Env[Observation, Action]):
         truncated = bool(known["tick"] >= configuration.steps * configuration.ticks_per_step)
         if terminated or truncated:
             self._end = terminated, truncated
-        if self._renderer is not None:
-            self._renderer.note(moment_of(simulation))
+        self._note()
         if self.render_mode == "human":
             self.render()
         return simulation.observation[0].copy(), reward, terminated, truncated, info
@@ -208,6 +208,8 @@ class JawEnv(gym.Env[Observation, Action]):
 
         What wrappers count, and the spaces' own random numbers, are not in it.
         """
+        from jawenv.envs.snapshots import take_snapshot
+
         return take_snapshot(self, _STATE)
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -215,9 +217,11 @@ class JawEnv(gym.Env[Observation, Action]):
 
         Pictures keep their trace of the time before.
         """
+        from jawenv.envs.snapshots import restore_snapshot
+
         restore_snapshot(self, snapshot)
-        if self._renderer is not None and self._begun:
-            self._renderer.note(moment_of(self.simulation))
+        if self._begun:
+            self._note()
 
     def render(self) -> Any:
         """The frame (720, 1280, 3) as ``uint8`` for ``"rgb_array"``; shown in a window for ``"human"``."""
@@ -226,8 +230,17 @@ class JawEnv(gym.Env[Observation, Action]):
             return None
         if not self._begun:
             raise gym.error.ResetNeeded("call reset() before render()")
+        from jawenv.envs.shown_world import build_scene
+
         renderer, scene = self._renderer_made(), build_scene(self.simulation, self.picture_title)
         return renderer.draw(scene) if self.render_mode == "rgb_array" else renderer.show(scene)
+
+    def _note(self) -> None:
+        """Keep the moment for the picture's curves, where there is a picture."""
+        if self._renderer is not None:
+            from jawenv.envs.shown_world import moment_of
+
+            self._renderer.note(moment_of(self.simulation))
 
     def _renderer_made(self) -> Any:
         """The renderer, which imports pygame when it first draws."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import real_number
+from jawenv.device.device import TICK
 from jawenv.envs.world.plant_kernel import (
     plant_begin,
     plant_clear,
@@ -21,7 +22,6 @@ from jawenv.envs.world.plant_kernel import (
     plant_rest,
     plant_wrench,
 )
-from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.step_kernel import Shared, StepRows
 from jawenv.mechanics.kinematics import contact_point
 from jawenv.mechanics.plant import BodyMotion, PatientJaw, Six, body_motion, checked_motion, motion_at_mouthpiece

@@ -1,6 +1,6 @@
-"""The agent's observation: the place and scale of each part. ``world.observation`` is where it is made."""
+"""The agent's observation: the place and scale of each part. ``world.observation`` fills it."""
 
-from jawenv.envs.world.observation import (
+from jawenv.envs.world.layout import (
     FORCE_SCALE,
     MOMENT_SCALE,
     OBSERVATION_BOUND,
@@ -11,12 +11,9 @@ from jawenv.envs.world.observation import (
     RANGE_SCALE,
     RATE_SCALE,
     TARGET_SCALE,
-    bounded,
-    filtered_motion,
     layouts,
     observation_layout,
     observation_size,
-    observe_world,
     parameters_of,
 )
 
@@ -31,11 +28,8 @@ __all__ = [
     "RANGE_SCALE",
     "RATE_SCALE",
     "TARGET_SCALE",
-    "bounded",
-    "filtered_motion",
     "layouts",
     "observation_layout",
     "observation_size",
-    "observe_world",
     "parameters_of",
 ]

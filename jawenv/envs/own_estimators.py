@@ -16,11 +16,15 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError, shown
+from jawenv.device.device import TICK
+from jawenv.envs.world.belief_kernel import show_beliefs
+from jawenv.envs.world.step_kernel import Shared
+from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
 ASYMMETRY = 1e-6  # of a covariance that rounding explains, relative to its largest entry
 
-__all__ = ["EpisodeStart", "OwnEstimator", "OwnEstimators", "is_own_estimator"]
+__all__ = ["EpisodeStart", "OwnEstimator", "OwnEstimators"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,31 +72,25 @@ class OwnEstimator(Protocol):
         """
 
 
-def is_own_estimator(value: object) -> bool:
-    """Whether a value has what is called of an estimator; ``belief`` may appear with the first reset."""
-    if isinstance(value, type):
-        return False
-    return all(callable(getattr(value, name, None)) for name in ("reset", "update"))
-
-
 class OwnEstimators:
     """An own estimator for each of N worlds: copies of one that is given.
 
     Args:
         estimator: which is copied.
-        number: N.
-        parameters: p.
+        simulation: the N worlds, of a ``Simulation``; their records take the beliefs.
     """
 
-    def __init__(self, estimator: Any, number: int, parameters: int) -> None:
+    def __init__(self, estimator: Any, simulation: Any) -> None:
         """Make the copies."""
+        self._simulation = simulation
+        number, parameters = len(simulation.worlds), len(simulation.parameter_names)
         self.each = [copy.deepcopy(estimator) for _ in range(number)]
         """(N,) the estimators."""
         self._means = np.zeros((number, parameters))
         self._covs = np.zeros((number, parameters, parameters))
         self._failed = np.zeros(number, dtype=np.bool_)
 
-    def before_step(self, worlds: NDArray[np.void], active: NDArray[np.bool_]) -> None:
+    def before_step(self, active: NDArray[np.bool_]) -> None:
         """The active worlds' records hold the belief of the device's filter again.
 
         Raises:
@@ -100,45 +98,61 @@ class OwnEstimators:
         """
         if (self._failed & active).any():
             raise ResetNeeded("the estimator has failed in this episode; call reset() before step()")
-        belief = worlds["known"]["belief"]
+        belief = self._simulation.worlds["known"]["belief"]
         belief["mean"][active], belief["cov"][active] = self._means[active], self._covs[active]
 
-    def begin(
-        self, worlds: NDArray[np.void], ticks: NDArray[np.void], chosen: NDArray[np.bool_], starts: list[EpisodeStart]
-    ) -> None:
-        """Reset the estimators of the chosen worlds, whose sensors have been read for the first time.
-
-        Args:
-            worlds: records of dtype ``world_dtype``; take the belief.
-            ticks: (N, ticks) what was read.
-            chosen: (N,).
-            starts: one for each chosen world.
-        """
+    def begin(self, chosen: NDArray[np.bool_]) -> None:
+        """Reset the estimators of the chosen worlds (N,), whose sensors have been read for the first time."""
+        numbers, ticks = np.flatnonzero(chosen).tolist(), self._simulation.ticks
+        starts = [self._episode_start(i) for i in numbers]
         self._failed |= chosen
-        for i, start in zip(np.flatnonzero(chosen).tolist(), starts, strict=True):
+        for i, start in zip(numbers, starts, strict=True):
             self.each[i].reset(start)
             self.each[i].update(ticks["measured"][i, 0].copy(), None)
-        self._take(worlds, chosen)
+        self._take(chosen)
         self._failed &= ~chosen
 
-    def after_step(
-        self, worlds: NDArray[np.void], ticks: NDArray[np.void], active: NDArray[np.bool_], ticks_per_step: int
-    ) -> None:
+    def after_step(self, active: NDArray[np.bool_]) -> None:
         """Give the active worlds' readings of a step to their estimators, and the beliefs to their records."""
+        worlds, ticks = self._simulation.worlds, self._simulation.ticks
+        ticks_per_step = self._simulation.configuration.ticks_per_step
         self._failed |= active
         for i in np.flatnonzero(active).tolist():
             last = int(worlds["known"]["tick"][i])
             for row in ticks[i, last - ticks_per_step + 1 : last + 1]:
                 self.each[i].update(row["measured"].copy(), row["samples"].copy())
-        self._take(worlds, active)
+        self._take(active)
         self._failed &= ~active
 
-    def _take(self, worlds: NDArray[np.void], chosen: NDArray[np.bool_]) -> None:
-        belief, numbers = worlds["known"]["belief"], np.flatnonzero(chosen)
+    def _take(self, chosen: NDArray[np.bool_]) -> None:
+        """Information and observation of the chosen worlds by the beliefs of their own estimators."""
+        simulation = self._simulation
+        belief, numbers = simulation.worlds["known"]["belief"], np.flatnonzero(chosen)
         own = [_checked_belief(self.each[i], self._means.shape[1]) for i in numbers.tolist()]
         self._means[numbers], self._covs[numbers] = belief["mean"][numbers], belief["cov"][numbers]
         for i, (mean, cov) in zip(numbers.tolist(), own, strict=True):
             belief["mean"][i], belief["cov"][i] = mean, cov
+        shared = Shared(simulation.device, simulation.settings, simulation.scratches)
+        show_beliefs(shared, simulation.models, simulation.worlds, chosen, simulation.observation)
+
+    def _episode_start(self, index: int) -> EpisodeStart:
+        """The start of an episode for the estimator of world ``index``."""
+        simulation = self._simulation
+        settings, noise = simulation.settings["filter"][0], simulation.settings["noise_variance"][0]
+        states = simulation.ticks["believed"].shape[2]
+        return EpisodeStart(
+            parameter_names=simulation.parameter_names,
+            prior=simulation.cohort.prior,
+            jaw=simulation.models[index].copy(),
+            start_mean=simulation.ticks["believed"][index, 0].copy(),
+            start_sd=settings["start_sd"][:states].copy(),
+            tick_s=TICK,
+            ticks_per_step=simulation.configuration.ticks_per_step,
+            measurement_sd=np.sqrt(settings["measurement_variance"]),
+            wrench_sd=np.sqrt(noise[:N_WRENCH]),
+            cell_sd=np.sqrt(noise[N_WRENCH:]),
+            gain_sd=float(simulation.device[0]["cell_gain"]),
+        )
 
     def state(self) -> Any:
         """A copy of all that changes, for ``set_state``."""

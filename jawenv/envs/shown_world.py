@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from jawenv.device.comfort import COMFORT_LIMITS, OPENING, excursions
+from jawenv.device.device import TICK
 from jawenv.envs.info import WorldReader
 from jawenv.envs.simulation import Simulation
-from jawenv.envs.world.plants import TICK
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split
 

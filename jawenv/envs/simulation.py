@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient
 from jawenv.base.errors import InputError
-from jawenv.device.device import N_MOTORS
+from jawenv.device.device import N_MOTORS, TICK
 from jawenv.device.force_sensor import (
     device_with_sensor,
     motor_errors,
@@ -20,34 +20,28 @@ from jawenv.device.force_sensor import (
 )
 from jawenv.envs.asked import asked_muscles
 from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
-from jawenv.envs.fork import Fork
 from jawenv.envs.info import WorldReader
-from jawenv.envs.observation import OBSERVATION_BOUND, observation_size
-from jawenv.envs.own_estimators import EpisodeStart, OwnEstimators
-from jawenv.envs.world.belief_kernel import show_beliefs
-from jawenv.envs.world.bound_kernel import track_bound
 from jawenv.envs.world.kept_ticks import true_tick_dtype
-from jawenv.envs.world.plants import TICK
+from jawenv.envs.world.layout import OBSERVATION_BOUND, observation_size
 from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
 from jawenv.envs.world.unknown_truth import Streams, draw_truth
-from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
-from jawenv.filter.model.initial_motion import start_sd
-from jawenv.filter.nuisances.directions import directions
 from jawenv.filter.nuisances.unknowns import MOTORS, Values, along
-from jawenv.filter.settings import Geometry, fill_settings, noise_of, used_readings, wrench_variances
+from jawenv.filter.settings import Geometry, fill_settings, noise_of, start_sd, used_readings, wrench_variances
 from jawenv.filter.tick import LAST_WINDOW, tick_dtype
 from jawenv.kernels.noise import philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.building import build_jaw, gravity_in_head
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
-from jawenv.mechanics.jaw import build_jaw, gravity_in_head
-from jawenv.mechanics.plant import Plant
 
 if TYPE_CHECKING:
+    from jawenv.envs.fork import Fork
     from jawenv.envs.moved_plants import MovedJaw, MovedPlants
+    from jawenv.envs.own_estimators import OwnEstimators
+    from jawenv.mechanics.plant import Plant
 
 REDRAWS = 200
 _FIRST_COUNTER: tuple[Any, Any, Any, Any] = (np.uint64(0), np.uint64(0), np.uint64(0), np.uint64(0))
@@ -65,7 +59,7 @@ class Simulation:
         """Allocate the worlds; nothing is simulated before ``reset``."""
         self.configuration = configuration
         self.model = model_named(configuration.model)
-        anatomy, muscles = configuration.build_anatomy(), configuration.muscles
+        muscles, mandible = configuration.muscles, configuration.mandible
         self.cohort = configuration.build_cohort()
         device = configuration.build_device()
         self.device = device_with_sensor(configuration.force_sensor, device)
@@ -76,22 +70,21 @@ class Simulation:
         filter_bilateral = configuration.filter_model == "bilateral"
         bilateral = self.model.plant == "bilateral" and (own_plant is None or filter_bilateral)
         self._jaw = build_jaw(
-            muscles, anatomy.mandible, anatomy.fossa, free=self.model.free, condyles=2 if bilateral else 1
+            muscles, mandible, configuration.fossa, free=self.model.free, condyles=2 if bilateral else 1
         )
         self._known_condyles = 2 if filter_bilateral else 1
         self.knowledge = configuration.build_knowledge()
         lasting = bool(self.device[0]["unmodelled_time"] > 0.0)
-        about = muscles, self._jaw, self.cohort.typical, self._motor_sds
-        self._sds = directions(self.knowledge, *about, lasting=lasting)
+        self._sds = self._directions(lasting)
         disturbance = N_WRENCH if lasting else 0
         sizes = len(muscles), len(muscles.muscle), N_BODY if filter_bilateral else N_STATES, len(self._sds), disturbance
         self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
-        self._gravity = anatomy.mandible.gravity
+        self._gravity = mandible.gravity
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
-        self._scratches = record_zeros(threads, scratch_dtype(*sizes))
+        self.scratches = record_zeros(threads, scratch_dtype(*sizes))
         self._beginnings = record_zeros(threads, beginning_dtype(sizes[1]))
         self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), tick_dtype(sizes[2]))
         """(N, ticks) what was read, as far as it is kept."""
@@ -107,16 +100,34 @@ class Simulation:
         moved = own_plant is not None or self.model.plant == "contact"
         self.moved = self._moved_plants(own_plant, sizes) if moved else None
         """The true jaws, where Python moves them."""
-        bound_threads = threads if configuration.needs_bound else 0
-        self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
+        self._bound_scratches = self._scratches_of_bound(threads, sizes) if configuration.needs_bound else None
         self.keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         """(N, 2) of all random numbers of the present episodes."""
         asked = None if configuration.asked is None else self.asked
         light = configuration.info == "light"
         self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, light, asked)
-        own = configuration.own_estimator
-        self.own_estimators = None if own is None else OwnEstimators(own, num_worlds, 2 * len(muscles))
+        self.own_estimators = None if configuration.own_estimator is None else self._own_estimators()
         """The user's estimators, where they are in the place of the device's filter."""
+
+    def _directions(self, lasting: bool) -> list[Values]:
+        """One sd of each nuisance; none where all is known exactly."""
+        if self.knowledge.exact and self._motor_sds is None:
+            return []
+        from jawenv.filter.nuisances.directions import directions
+
+        about = self.cohort.muscles, self._jaw, self.cohort.typical, self._motor_sds
+        return directions(self.knowledge, *about, lasting=lasting)
+
+    def _own_estimators(self) -> OwnEstimators:
+        from jawenv.envs.own_estimators import OwnEstimators
+
+        return OwnEstimators(self.configuration.own_estimator, self)
+
+    @staticmethod
+    def _scratches_of_bound(threads: int, sizes: tuple[int, int, int, int, int]) -> NDArray[np.void]:
+        from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
+
+        return record_zeros(threads, bound_scratch_dtype(*sizes))
 
     def _moved_plants(self, own: Plant | None, sizes: tuple[int, int, int, int, int]) -> MovedPlants:
         from jawenv.envs.moved_plants import HeldWrench, MovedPlants
@@ -182,6 +193,8 @@ class Simulation:
 
     def fork(self, copies: int, *, reward: Any, believed: bool) -> Fork:
         """So many copies of each world, to be played ahead; arguments and errors as of ``Fork``."""
+        from jawenv.envs.fork import Fork
+
         return Fork(self, copies, reward=reward, believed=believed)
 
     @property
@@ -226,9 +239,7 @@ class Simulation:
             self._begin(chosen, patients, keys)
             self._read_first(chosen)
             if self.own_estimators is not None:
-                starts = [self._episode_start(int(i)) for i in numbers]
-                self.own_estimators.begin(self.worlds, self.ticks, chosen, starts)
-                self._show_own_beliefs(chosen)
+                self.own_estimators.begin(chosen)
             self._show_question(chosen)
         except BaseException:
             for array, values in zip(arrays, before, strict=True):
@@ -248,7 +259,7 @@ class Simulation:
         waiting = chosen.copy()
         accepted = np.ones(len(chosen), dtype=np.bool_)
         for _ in range(REDRAWS):
-            shared = Shared(self.device, self.settings, self._scratches)
+            shared = Shared(self.device, self.settings, self.scratches)
             begin(shared, self.models, self.worlds, waiting, self._beginnings, accepted, self.ticks)
             waiting = waiting & ~accepted
             if not waiting.any():
@@ -301,15 +312,14 @@ class Simulation:
         """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
         own = self.own_estimators
         if own is not None:
-            own.before_step(self.worlds, active)
+            own.before_step(active)
         if self.moved is not None:
             self.moved.advance(actions, active)
         else:
             self._advance_compiled(actions, active)
         self._track_bound(active)
         if own is not None:
-            own.after_step(self.worlds, self.ticks, active, self.configuration.ticks_per_step)
-            self._show_own_beliefs(active)
+            own.after_step(active)
         np.add(self.cost_so_far, self._costs.sum(axis=1), out=self.cost_so_far, where=active)
         self._show_question(active)
 
@@ -327,37 +337,16 @@ class Simulation:
         self.observation[chosen, -1 - self.asked.shape[1] : -1] = self.asked[chosen]
         self.observation[chosen, -1] = np.minimum(discomfort, OBSERVATION_BOUND)
 
-    def _show_own_beliefs(self, chosen: NDArray[np.bool_]) -> None:
-        """Information and observation of the chosen worlds by the beliefs of their own estimators."""
-        shared = Shared(self.device, self.settings, self._scratches)
-        show_beliefs(shared, self.models, self.worlds, chosen, self.observation)
-
-    def _episode_start(self, index: int) -> EpisodeStart:
-        """The start of an episode for the own estimator of world ``index``."""
-        settings, noise = self.settings["filter"][0], self.settings["noise_variance"][0]
-        states = self.ticks["believed"].shape[2]
-        return EpisodeStart(
-            parameter_names=self.parameter_names,
-            prior=self.cohort.prior,
-            jaw=self.models[index].copy(),
-            start_mean=self.ticks["believed"][index, 0].copy(),
-            start_sd=settings["start_sd"][:states].copy(),
-            tick_s=TICK,
-            ticks_per_step=self.configuration.ticks_per_step,
-            measurement_sd=np.sqrt(settings["measurement_variance"]),
-            wrench_sd=np.sqrt(noise[:N_WRENCH]),
-            cell_sd=np.sqrt(noise[N_WRENCH:]),
-            gain_sd=float(self.device[0]["cell_gain"]),
-        )
-
     def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
-        shared = Shared(self.device, self.settings, self._scratches)
+        shared = Shared(self.device, self.settings, self.scratches)
         rows = StepRows(self.ticks, self.paths, self.observation)
         advance(shared, self.models, self.worlds, actions, active, rows)
 
     def _track_bound(self, active: NDArray[np.bool_]) -> None:
         """The bound of the active worlds at the end of their control period, if it is asked for."""
         if self.configuration.needs_bound:
+            from jawenv.envs.world.bound_kernel import track_bound
+
             track_bound(self.models, self.worlds, active, self.settings, self._bound_scratches, self.paths)
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import error, logger
@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Patient, Prior
 from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.actions import checked_actions
+from jawenv.envs.argument_checks import checked_actions
 from jawenv.envs.configuration import configure
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
-from jawenv.envs.pictures import WorldPictures
 from jawenv.envs.reset_options import (
     checked_keys,
     checked_mask,
@@ -31,9 +30,11 @@ from jawenv.envs.reset_options import (
 )
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
-from jawenv.envs.snapshots import Snapshot, restore_snapshot, take_snapshot
 from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps, enough_memory
-from jawenv.envs.world_attributes import attribute_of_worlds, set_attribute_of_worlds
+
+if TYPE_CHECKING:
+    from jawenv.envs.pictures import WorldPictures
+    from jawenv.envs.snapshots import Snapshot
 
 Batch = tuple[NDArray[np.float32], dict[str, Any]]
 StepBatch = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
@@ -102,7 +103,11 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         self._potential = np.zeros(self.num_envs)
         self._done = np.zeros(self.num_envs, dtype=np.bool_)
         self._all = np.ones(self.num_envs, dtype=np.bool_)
-        self._pictures = WorldPictures(self.simulation, fps) if render_mode == "rgb_array" else None
+        self._pictures: WorldPictures | None = None
+        if render_mode == "rgb_array":
+            from jawenv.envs.pictures import WorldPictures
+
+            self._pictures = WorldPictures(self.simulation, fps)
         self.picture_title: tuple[str | None, ...] = (None,) * self.num_envs
         """The title above the pictures of each world; model, cohort and control mode where it is None."""
 
@@ -231,10 +236,14 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
 
     def snapshot(self) -> Snapshot:
         """The state of all worlds between two steps, as in the single form."""
+        from jawenv.envs.snapshots import take_snapshot
+
         return take_snapshot(self, _STATE)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a snapshot of this environment, or of another one that was made alike; any number of times."""
+        from jawenv.envs.snapshots import restore_snapshot
+
         restore_snapshot(self, snapshot)
 
     def _restart(self, final_info: dict[str, Any]) -> dict[str, Any]:
@@ -276,6 +285,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             raise InputError(f"call({shown(name)}) has the argument {shown(arguments[0])}; allowed: none")
         if name == "render":
             return self.render() or (None,) * self.num_envs
+        from jawenv.envs.world_attributes import attribute_of_worlds
+
         return attribute_of_worlds(self, name)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
@@ -284,6 +295,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         Raises:
             UnknownAttributeError: worlds have no such attribute.
         """
+        from jawenv.envs.world_attributes import attribute_of_worlds
+
         return attribute_of_worlds(self, name)
 
     def set_attr(self, name: str, values: Any) -> None:
@@ -293,6 +306,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             UnknownAttributeError: the attribute cannot be set.
             InputError: a list of another length than N, or a value that is not allowed.
         """
+        from jawenv.envs.world_attributes import set_attribute_of_worlds
+
         set_attribute_of_worlds(self, name, values)
 
     def close_extras(self, **kwargs: Any) -> None:

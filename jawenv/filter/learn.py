@@ -11,11 +11,10 @@ from jawenv.filter.alarm.drift import keep_belief
 from jawenv.filter.alarm.misfit import move_block, set_misfit
 from jawenv.filter.belief.posterior import PosteriorScratch, posterior_dtype, update_belief
 from jawenv.filter.belief.refocus import refocus
-from jawenv.filter.belief.state import Belief, FilterSettings, tension_columns
+from jawenv.filter.belief.state import FARTHEST, Belief, FilterSettings, tension_columns
 from jawenv.filter.model.basis import N_NODES, set_coefficients
 from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.filter.nuisances.changes import is_apart
-from jawenv.filter.nuisances.unknowns import FARTHEST
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 

@@ -1,4 +1,4 @@
-"""The filter's settings from patient, device and disturbance, filled here alone."""
+"""The filter's settings from patient, device and disturbance, filled here alone, and the prior of its motion."""
 
 from __future__ import annotations
 
@@ -11,12 +11,33 @@ from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
-from jawenv.filter.nuisances.known_within import write_nuisances
 from jawenv.filter.nuisances.unknowns import Values
 from jawenv.filter.readings import least_noise
 from jawenv.filter.readings.screening import rough_change
 from jawenv.filter.tick import set_prior
 from jawenv.mechanics.dynamics import N_WRENCH
+
+PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 1e-3, 0.0175, 1e-3, 0.01  # 1 mm, 1 degree, 1 mm/s, 0.01 rad/s
+
+
+def start_sd(jaw: Any, condyles: int) -> NDArray[np.float64]:
+    """(n,) sds of (q, u): places come first, then three angles, and so for the speeds; 0 for what is held.
+
+    Args:
+        jaw: Record of a jaw.
+        condyles: Number of the condyles in the filter's model.
+    """
+    places, angles, rates = [True, True, True], [True, True, True], [True, True, True]
+    if condyles != 2:
+        # Pitch (theta, and the second of the angular velocities) is always free, yaw and roll both or none.
+        turns = bool(jaw["inertia_contact_inverse"][2, 2] > 0.0)
+        places = [bool(jaw["free_x"]), bool(jaw["free_y"])]
+        angles, rates = [True, turns, turns], [turns, True, turns]
+    free = np.array([*places, *angles, *places, *rates])
+    sizes = [len(places), 3, len(places), 3]
+    sds: NDArray[np.float64] = free * np.repeat([PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], sizes)
+    return sds
+
 
 Array = NDArray[np.float64]
 
@@ -109,6 +130,8 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
     settings["rough"] = rough_change(noise.cell_sd, noise.dt)
     set_prior(settings, geometry.jaw, geometry.prior)
     if geometry.sds:
+        from jawenv.filter.nuisances.known_within import write_nuisances
+
         assert geometry.muscles is not None
         parts = geometry.upright, geometry.knowledge, geometry.muscles, geometry.sds
         write_nuisances(settings["nuisances"], *parts, geometry.force)

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import Patient
 from jawenv.base.errors import InputError, shown
-from jawenv.envs.actions import checked_actions
+from jawenv.device.device import TICK
+from jawenv.envs.argument_checks import checked_actions
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.reset_options import checked_seed, episode_keys
 from jawenv.envs.simulation import Simulation
-from jawenv.envs.world.plants import TICK
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.inference.settings import DEFAULT_ENV, Array, Mask, configuration_of, log_parameters, patient_of

@@ -20,8 +20,8 @@ class Level:
 
 GAME = (
     Level("one side, healthy or not", "one_sided", hidden_s=20.0),
-    Level("patchy", "patchy"),
-    Level("scan anatomy", "patchy", "imaged"),
+    Level("anyone", "anyone"),
+    Level("scan anatomy", "anyone", "imaged"),
 )
 """From easy to hard."""
 OWN = Level("own", "")

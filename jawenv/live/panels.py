@@ -9,6 +9,7 @@ from html import escape
 from jawenv.live.outcome import KNOWN, LARGEST_DISCOMFORT_S, DriveOutcome
 from jawenv.live.question import AnsweredMuscle, stiff_from_N
 from jawenv.live.session import Shown
+from jawenv.metrics.calibration import alarm_word
 from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
 
@@ -82,7 +83,7 @@ def answer_html(rows: Sequence[AnsweredMuscle]) -> str:
         cells = (
             f"<span style='color:{colour}'>{mark} {_word(row.said)}</span>",
             f"{_word(row.stiff)} {row.true_F_o_N:.2f}",
-            f"{row.F_o_N:.2f} ± {100 * row.sd:.1f} %",
+            row.estimate,
         )
         tds = "".join(f"<td style='{_FIGURE}'>{cell}</td>" for cell in cells)
         lines.append(f"<tr><th style='{_NAME}'>{escape(muscle_name(row.muscle))}</th>{tds}</tr>")
@@ -167,8 +168,8 @@ def status_html(shown: Shown, remark: str = "") -> str:
         for name, value, below in figures
     )
     words = [escape(text) for text in (shown.why, remark) if text]
-    if shown.misfit > 1.0:
-        words.append("The readings do not fit the model.")
+    if alarm_word(shown.misfit) != "silent":
+        words.append(_ALARMS[alarm_word(shown.misfit)])
     below = "".join(f"<div style='margin-top:4px;color:var(--live-remark)'>{text}</div>" for text in words)
     grid = "display:grid;grid-template-columns:repeat(3,1fr);gap:4px 8px"
     return f"<div id='status' style='{_CARD}'><div style='{grid}'>{cells}</div>{below}</div>"
@@ -200,6 +201,10 @@ def score_html(outcomes: Sequence[DriveOutcome], saved: Sequence[str] = ()) -> s
     return f"<div id='score' style='{_CARD}'><b>Score on this patient</b>{table}{files}</div>"
 
 
+_ALARMS = {
+    "yellow": "The readings fit the model badly: look twice at the estimates.",
+    "rings": "The readings do not fit the model.",
+}
 _WORST = "standard deviation of the natural log of the least known parameter: 5 % is 0.05"
 _POSTERIOR_HEADS = (
     ("F<sub>o</sub>, N", "pull of the muscle in the closed jaw"),

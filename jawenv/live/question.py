@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from jawenv.metrics import FIBROSED_F_O_N, whole_muscles_per_line
+from jawenv.metrics.verdicts import MEASURED, NOT_MEASURED
 from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
 
@@ -32,12 +33,18 @@ class AnsweredMuscle:
     true_F_o_N: float  # the truth
     F_o_N: float  # the filter's estimate
     sd: float  # standard deviation of the estimate's natural log
+    prior_sd: float  # that of the filter's prior
     limit_N: float  # F_o above which it is stiff
 
     @property
     def stiff(self) -> bool:
         """Whether it truly is stiff."""
         return self.true_F_o_N > self.limit_N
+
+    @property
+    def estimate(self) -> str:
+        """The filter's estimate in words; none where the prior speaks in place of the data."""
+        return f"{self.F_o_N:#.3g} N ± {100 * self.sd:.1f} %" if self.sd <= MEASURED * self.prior_sd else NOT_MEASURED
 
     @property
     def right(self) -> bool:
@@ -53,5 +60,6 @@ def answered(scene: Scene, said: Sequence[bool]) -> list[AnsweredMuscle]:
     for muscle, stiff in zip(scene.muscles, said, strict=True):
         i = scene.parameter_names.index(f"log_F_o/{muscle}")
         truth, mean = (math.exp(float(values[i])) for values in (scene.truth, scene.belief_mean))
-        rows.append(AnsweredMuscle(muscle, stiff, truth, mean, float(scene.belief_sd[i]), stiff_from_N(scene)))
+        sds = float(scene.belief_sd[i]), float(scene.prior_sd[i])
+        rows.append(AnsweredMuscle(muscle, stiff, truth, mean, *sds, stiff_from_N(scene)))
     return rows

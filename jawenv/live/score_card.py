@@ -34,7 +34,7 @@ def score_png(title: str, answer: Sequence[AnsweredMuscle], outcomes: Sequence[D
                 row.muscle.replace("_", " "),
                 f"{'' if row.right else 'wrong: '}{_word(row.said)}",
                 f"{_word(row.stiff)}, {row.true_F_o_N:#.3g} N",
-                f"{row.F_o_N:#.3g} N ± {100 * row.sd:.1f} %",
+                row.estimate,
             )
             for row in answer
         ]

@@ -33,8 +33,7 @@ from jawenv.kernels.cholesky import solve_in_place
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.runge_kutta import plus
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, scale, subtract, vector3
-from jawenv.mechanics.dynamics import inertia_times
-from jawenv.mechanics.equilibrium import TOLERANCE
+from jawenv.mechanics.dynamics import REST_TOLERANCE, inertia_times
 from jawenv.mechanics.forces import capsule_force, carried_forces, smooth_ramp
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
@@ -207,7 +206,7 @@ def settle_bilateral(jaw: Jaw, muscles, wrench, state, matrix, right):
     rate = body_acceleration(jaw, muscles, q, still, wrench)
     for _ in range(MAX_STEPS):
         residual = _largest_of(rate, 1.0, 1.0)
-        if residual < TOLERANCE:
+        if residual < REST_TOLERANCE:
             return True
         fill_flow_matrix(jaw, muscles, q, wrench, step, matrix)
         for i in range(6):

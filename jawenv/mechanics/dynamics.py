@@ -27,6 +27,7 @@ from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_ax
 
 N_STATES = 10
 N_WRENCH = 6
+REST_TOLERANCE = 1e-9  # rad/s2 or m/s2, left over at equilibrium
 
 
 class Linear:

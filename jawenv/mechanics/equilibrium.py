@@ -13,11 +13,10 @@ import numpy as np
 from jawenv.kernels.cholesky import solve_in_place
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, vector3
-from jawenv.mechanics.dynamics import N_WRENCH, Linear, linearise_acceleration
+from jawenv.mechanics.dynamics import N_WRENCH, REST_TOLERANCE, Linear, linearise_acceleration
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation, turning_axes
 
-TOLERANCE = 1e-9  # rad/s2 or m/s2, left over at equilibrium
 MAX_ITERATIONS = 300
 HOLD_STIFFNESS = 20e3  # N/m
 
@@ -45,7 +44,7 @@ def settle(jaw: Jaw, muscles, pose, opening, on_spring, linear: Linear, matrix, 
         no_speeds = (0.0, 0.0, 0.0, 0.0, 0.0)
         rate = linearise_acceleration(jaw, muscles, q, no_speeds, wrench, linear)
         residual = max(abs(rate[0]), abs(rate[1]), abs(rate[2]), abs(rate[3]), abs(rate[4]))
-        if residual < TOLERANCE:
+        if residual < REST_TOLERANCE:
             return force, True
         step = min(step * min(max(previous / residual, 0.5), 3.0), 1e6)
         previous = residual

@@ -11,8 +11,7 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from jawenv.kernels.compiled import njit_inlined
-from jawenv.kernels.functions import sin_cos
-from jawenv.kernels.vec3 import Matrix, Vector
+from jawenv.kernels.vec3 import Matrix, Vector, sin_cos
 from jawenv.mechanics.jaw import Jaw
 
 Five: TypeAlias = tuple[float, float, float, float, float]

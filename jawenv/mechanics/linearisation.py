@@ -6,7 +6,7 @@ Which model it is of follows from the number of coordinates, which is known from
 from __future__ import annotations
 
 from jawenv.kernels.compiled import njit, njit_within, where
-from jawenv.kernels.functions import sin_cos
+from jawenv.kernels.vec3 import sin_cos
 from jawenv.mechanics.bilateral import N_BODY, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.dynamics import Linear, linearise_acceleration

@@ -12,9 +12,9 @@ from jawenv.anatomy import Fossa, Mandible, MuscleSet, muscle_set
 from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import real_number
 from jawenv.kernels.records import record_zeros
+from jawenv.mechanics.building import build_jaw
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.jaw import build_jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 STEP_MM = 0.5
@@ -29,6 +29,7 @@ def passive_opening(
     muscles: MuscleSet | None = None,
     mandible: Mandible | None = None,
     fossa: Fossa | None = None,
+    head_tilt_deg: float = 0.0,
 ) -> NDArray[np.float64]:
     """Openings at the incisors (mm) at which relaxed jaws come to rest under vertical pulls on the mouthpiece.
 
@@ -37,45 +38,85 @@ def passive_opening(
     the last opening counts.
 
     Args:
-        theta: (n, p) natural-log parameters of patients, or (p,) of one, head upright.
+        theta: (n, p) natural-log parameters of patients, or (p,) of one.
         pulls_N: 0 is the rest position; below 0 the teeth are pressed together.
         muscles: as ``build_jaw`` takes them, as the others.
         mandible: mass and contacts.
         fossa: the condyles' path.
+        head_tilt_deg: pitch of the head, positive looking down; -90 lying on the back.
 
     Returns:
         (n, pulls) or (pulls,); not-a-number where a jaw has no rest position.
     """
     lines = muscles or muscle_set()
+    jaw = build_jaw(lines, mandible, fossa, head_tilt_deg=head_tilt_deg)
+    return _read(jaw, lines, theta, ("pulls_N", pulls_N), read_opening=True)
+
+
+def pull_to_open(
+    theta: ArrayLike,
+    openings_mm: Sequence[float] = (35.0,),
+    *,
+    muscles: MuscleSet | None = None,
+    mandible: Mandible | None = None,
+    fossa: Fossa | None = None,
+    head_tilt_deg: float = 0.0,
+) -> NDArray[np.float64]:
+    """Vertical pulls on the mouthpiece (N) under which relaxed jaws come to rest so far open at the incisors.
+
+    Args:
+        theta: (n, p) natural-log parameters of patients, or (p,) of one.
+        openings_mm: at the incisors.
+        muscles: as ``build_jaw`` takes them, as the others.
+        mandible: mass and contacts.
+        fossa: the condyles' path.
+        head_tilt_deg: pitch of the head, positive looking down; -90 lying on the back.
+
+    Returns:
+        (n, openings) or (openings,): 0 where the jaw rests so far open, the largest pull before a jaw that snaps
+        through earlier, not-a-number where a jaw has no rest position.
+    """
+    lines = muscles or muscle_set()
+    jaw = build_jaw(lines, mandible, fossa, head_tilt_deg=head_tilt_deg)
+    return _read(jaw, lines, theta, ("openings_mm", openings_mm), read_opening=False)
+
+
+def _read(
+    jaw: Any, lines: MuscleSet, theta: ArrayLike, asked: tuple[str, Sequence[float]], *, read_opening: bool
+) -> NDArray[np.float64]:
+    """Openings at the asked pulls, or pulls at the asked openings, of one patient or of many."""
+    name, values = asked
     rows, size = np.asarray(theta, dtype=np.float64), len(lines.parameter_names)
     if rows.ndim not in (1, 2) or rows.shape[-1] != size or not np.isfinite(rows).all():
         raise InputError(f"theta is {shown(theta)}; allowed: finite natural-log parameters, ({size},) or (n, {size})")
-    numbers = [real_number(pull) for pull in pulls_N]
+    numbers = [real_number(value) for value in values]
     if not numbers or any(number is None or number < 0.0 for number in numbers):
-        raise InputError(f"pulls_N is {shown(pulls_N)}; allowed: one or more numbers, 0 or more")
-    jaw = build_jaw(lines, mandible, fossa)
-    openings = np.array([_of_one(jaw, lines, row, pulls_N) for row in np.atleast_2d(rows)])
-    return openings if rows.ndim == 2 else openings[0]
+        raise InputError(f"{name} is {shown(values)}; allowed: one or more numbers, 0 or more")
+    found = []
+    for row in np.atleast_2d(rows):
+        openings, pulls = _curve(jaw, lines, row, max(values), read_opening)
+        found.append(np.interp(values, *((pulls, openings) if read_opening else (openings, pulls))))
+    return np.array(found if rows.ndim == 2 else found[0])
 
 
-def _of_one(jaw: Any, lines: MuscleSet, row: NDArray[np.float64], pulls_N: Sequence[float]) -> list[float]:
+def _curve(jaw: Any, lines: MuscleSet, row: NDArray[np.float64], most: float, read_opening: bool) -> tuple[Any, Any]:
+    """Openings (mm) and the largest pull so far (N), up to a largest pull or, with ``read_opening`` off, opening."""
     law = np.exp(row).reshape(-1, 2)[list(lines.muscle)]
     scratch = record_zeros(1, linear_dtype(len(lines.muscle)))[0], np.empty((5, 5)), np.empty(5)
     pose = np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
     _, settled = settle(jaw, law, pose, 0.0, False, *scratch)
     if not settled:
-        return [np.nan] * len(pulls_N)
+        return [0.0], [np.nan]
     openings, forces = [1e3 * opening_of(jaw, pose)], [0.0]
     asked = max(openings[0], 0.0)
-    while forces[-1] < max(pulls_N) and asked < WIDEST_MM:
+    while (forces if read_opening else openings)[-1] < most and asked < WIDEST_MM:
         asked += STEP_MM
         force, settled = settle(jaw, law, pose, 1e-3 * asked, True, *scratch)
         if not settled:
             break
         openings.append(1e3 * opening_of(jaw, pose))
         forces.append(force)
-    highest = np.maximum.accumulate(forces)
-    return [float(np.interp(pull, highest, openings)) for pull in pulls_N]
+    return openings, np.maximum.accumulate(forces)
 
 
 def opening_of(jaw: Any, pose: NDArray[np.float64]) -> float:

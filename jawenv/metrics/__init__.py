@@ -6,6 +6,7 @@
 
 from jawenv.metrics.calibration import (
     alarm_rings,
+    alarm_word,
     claimed_information,
     covered,
     log_density,
@@ -25,6 +26,7 @@ __all__ = [
     "Diagnosis",
     "Score",
     "alarm_rings",
+    "alarm_word",
     "claimed_information",
     "covered",
     "diagnose",

@@ -51,6 +51,17 @@ def alarm_rings(misfit: Array) -> npt.NDArray[np.bool_]:
     return rings
 
 
+YELLOW = 0.6
+"""Misfit from which an episode is looked at twice: few honest ones are above, many that a small error spoils."""
+
+
+def alarm_word(misfit: float) -> str:
+    """The alarm of one episode in a word: ``silent``, ``yellow`` or ``rings``."""
+    if alarm_rings(np.array(misfit)):
+        return "rings"
+    return "yellow" if misfit > YELLOW else "silent"
+
+
 def nees_band(patients: int, parameters: int, confidence: float = 0.95) -> tuple[float, float]:
     """Interval in which the mean NEES over patients of an honest filter lies.
 

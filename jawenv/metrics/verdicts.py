@@ -35,6 +35,12 @@ class Verdict:
     likeliest: str  # the one of `normal`, `stiff`, `blocked`, `stiff and blocked` with the largest probability
     stiff: float  # probability that F_o is raised
     blocked: float  # probability that b is raised
+    both: float  # probability that both are
+
+    def chance_of(self, word: str) -> float:
+        """Probability of a finding: of a raised F_o for `stiff` and of a raised b for `blocked`, whatever the other."""
+        chances = {STIFF: self.stiff, BLOCKED: self.blocked, BOTH: self.both}
+        return chances.get(word, max(1.0 - self.stiff - self.blocked + self.both, 0.0))
 
     @property
     def open_question(self) -> str:
@@ -45,7 +51,7 @@ class Verdict:
         return BLOCKED if self.word == STIFF else STIFF
 
 
-WITHHELD = Verdict(NO_VERDICT, math.nan, "", math.nan, math.nan)
+WITHHELD = Verdict(NO_VERDICT, math.nan, "", math.nan, math.nan, math.nan)
 """The verdict on a muscle of which nothing is said; its probabilities are NaN."""
 
 
@@ -80,7 +86,7 @@ def verdict(mean: Array, cov: Array, prior_sd: Array | None = None) -> Verdict:
         word, probability = NORMAL, neither
     else:
         word, probability = UNKNOWN if all(measured) else NOT_MEASURED, shares[likeliest]
-    return Verdict(word, probability, likeliest, stiff, blocked)
+    return Verdict(word, probability, likeliest, stiff, blocked, both)
 
 
 def verdicts(mean: Array, cov: Array, prior_sd: Array | None = None) -> list[Verdict]:

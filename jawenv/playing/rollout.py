@@ -21,7 +21,6 @@ from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
 from jawenv.playing.agents import Action, checked_decision, own_seed
 from jawenv.playing.recording import Array, Mask, Recording
-from jawenv.playing.singles import SingleWorlds
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
@@ -124,12 +123,15 @@ def _worlds(env_id: str, number: int, kwargs: Mapping[str, Any]) -> Any:
     if module:
         import_module(module)
     if gym.spec(name).vector_entry_point is None:
+        from jawenv.playing.singles import SingleWorlds
+
         return SingleWorlds(env_id, number, kwargs)
     return gym.make_vec(env_id, num_envs=number, autoreset_mode="disabled", **kwargs)
 
 
 def _record(env: Any, index: int) -> Record:
     """The record of one world's device."""
+    from jawenv.playing.singles import SingleWorlds
     from jawenv.recordings.of_simulation import record_of
 
     if isinstance(env, SingleWorlds):

@@ -92,7 +92,7 @@ class Reality(NumericFields):
         articular_side_stiffness_N_m: The same of ligaments and capsule aside, reached at the soft limit of side motion
             and begun at the same share of it: 500 to 3000 (G).
         scar_stiffness_N_m: Stiffness of a band of scar in the left cheek, slack until it is a tenth longer than with
-            the jaw closed (`reality.bands`): 300 to 1500 (G).
+            the jaw closed (`reality.joint`): 300 to 1500 (G).
         other_muscles_F_o_N: Passive tension with the jaw closed of each line of openers and lateral pterygoids: 0.1 to
             0.5 N, as the healthy closers' (G).
         cell_bias_N: Sd of the load cell's constant offset in an episode, each component of the force. Makers' accuracy

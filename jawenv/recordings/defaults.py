@@ -7,19 +7,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.base.errors import InputError, shown
+from jawenv.base.numeric_fields import real_number
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
+from jawenv.envs.configuration import Configuration
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.readings import least_noise
 from jawenv.ladder import MODELS, Model, model_named
 from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.building import build_jaw, gravity_in_head
 from jawenv.mechanics.dynamics import N_STATES
-from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 
 Array = NDArray[np.float64]
 
+ANYONE = "anyone"
+UNLABELLED = Configuration(cohort=ANYONE, control="force")
+"""World of a recording of which nothing is told."""
 UNMODELLED_TIME = 0.01
 """s over which ``Device.unmodelled_force_N`` is constant: over a longer tick its mean is smaller."""
+STEEPEST_TILT = 90.0  # degrees
 # Prior sds of the motion about the closed jaw at rest, before the first reading.
 POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 0.02, 0.5, 0.1, 2.0
 FIT_STEPS = 20
@@ -27,9 +34,21 @@ FIT_STEPS = 20
 
 def geometry(model: str, head_tilt_deg: float = 0.0) -> Any:
     """The jaw of a model of the ladder, a record of dtype ``jaw_dtype``."""
-    rung = model_named(model)
+    return geometry_of(Configuration(model=model), head_tilt_deg)
+
+
+def geometry_of(configuration: Configuration, head_tilt_deg: float = 0.0) -> Any:
+    """The jaw that an environment's filter believes in, a record of dtype ``jaw_dtype``."""
+    tilt = real_number(head_tilt_deg)
+    if tilt is None or abs(tilt) > STEEPEST_TILT:
+        raise InputError(f"head_tilt_deg is {shown(head_tilt_deg)}; allowed: -{STEEPEST_TILT:g} to {STEEPEST_TILT:g}")
     return build_jaw(
-        rung.muscles, free=rung.free, condyles=2 if rung.estimator == "bilateral" else 1, head_tilt_deg=head_tilt_deg
+        configuration.muscles,
+        configuration.mandible,
+        configuration.fossa,
+        free=model_named(configuration.model).free,
+        condyles=2 if configuration.filter_model == "bilateral" else 1,
+        head_tilt_deg=tilt,
     )
 
 

@@ -2,8 +2,8 @@
 
 One row per time, one column per quantity with its unit in the name (``columns``; docs/recordings.md). Lines
 ``# name: value`` before the header row (CSV), or the file's metadata (Parquet), hold what is not a time series: noise,
-geometry, prior, truth. All of it may be missing; arguments of ``load_record`` come before the file, the file before
-the defaults.
+geometry, prior, truth. All of it may be missing: what ``load_record`` is told by name comes before the file, the file
+before a configuration.
 """
 
 from __future__ import annotations
@@ -16,26 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Prior
-from jawenv.anatomy.knowledge import Knowledge
 from jawenv.base.errors import InputError
-from jawenv.base.files import Source
-from jawenv.controls import Control
-from jawenv.device.device import Device
-from jawenv.device.force_sensor import ForceSensor
-from jawenv.ladder import model_named
+from jawenv.envs.configuration import Configuration
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.recordings import defaults
 from jawenv.recordings.checks import check_columns, even_time
 from jawenv.recordings.columns import ENCODERS, SAMPLES, TIME, TRUE_WRENCH, true_motion
-from jawenv.recordings.given import (
-    given_device,
-    given_errors,
-    given_geometry,
-    given_knowledge,
-    given_prior,
-)
+from jawenv.recordings.given import given_errors, given_geometry, given_prior, given_world
 from jawenv.recordings.mapping import mapped, read_columns
 from jawenv.recordings.record import Record
 from jawenv.recordings.resampling import resampled
@@ -66,86 +54,77 @@ def save_record(record: Record, path: PathLike) -> None:
 
 def load_record(
     path: PathLike | RecordTable,
+    configuration: Configuration | None = None,
     *,
-    model: str | None = None,
     head_tilt_deg: float | None = None,
     jaw: Any | None = None,
-    cohort: str | None = None,
-    prior: Prior | None = None,
-    knowledge: str | Knowledge | Source | None = None,
-    force_sensor: ForceSensor | None = None,
-    device: Device | None = None,
-    start_mean: Array | None = None,
-    start_sd: Array | None = None,
-    control: Control | None = None,
-    truth: Array | None = None,
     columns: PathLike | None = None,
     resample_hz: float | None = None,
+    **settings: Any,
 ) -> Record:
-    """Read a recording. What neither the arguments nor the file says has the default named here.
+    """Read a recording.
 
     Args:
         path: a file as ``save_record`` writes it, or one's own with some of its columns (docs/recordings.md); or the
             table that such a file would hold.
-        model: rung of the ladder whose geometry and muscles the estimator believes in; ``"jaw"``.
-        head_tilt_deg: pitch of the head, positive looking down; 0.
-        jaw: a geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``.
-        cohort: population whose prior is the belief before the record; ``"trismus"``.
-        prior: a belief of one's own, in natural logs.
-        knowledge: within which sds geometry, mass and mounting are known, as the environments take it; ``"exact"``.
-        force_sensor: how the device knew its force, as the environments take it; ``"cell"``.
-        device: that measured, with its noise of encoders and load cell; the noise of ``jawenv.Device()``.
-        start_mean: (n,) motion (q, u) believed before the first reading; what explains the first reading best.
-        start_sd: (n,) its sd; so wide that the first reading decides.
-        control: what the motors were commanded; ``"force"``.
-        truth: (p,) natural-log parameters, if known; None.
+        configuration: what neither the settings nor the file says: model, cohort, device, knowledge, force sensor,
+            anatomy, control. Without it those of the default environment in force control, and the cohort anyone.
+        head_tilt_deg: pitch of the head, positive looking down; the file's, or 0.
+        jaw: a geometry of one's own with the model's muscles, from ``jawenv.mechanics.build_jaw``.
         columns: mapping file with the names, units and signs that the file has for the columns of docs/recordings.md.
         resample_hz: rows per second to which uneven times are interpolated.
+        **settings: arguments of the environments by name, which come before the file; None says nothing.
     """
+    settings = {name: value for name, value in settings.items() if value is not None}
     given = path if isinstance(path, RecordTable) else read_table(checked_path(path), WORDS)
     table = mapped(given, {} if columns is None else read_columns(Path(columns)))
     if resample_hz is not None:
         table = resampled(table, resample_hz)
-    header = table.header
     check_texts(table)
-
-    def either(argument: Any, name: str, default: Any = None) -> Any:
-        return header.get(name, default) if argument is None else argument
-
-    rung = model_named(either(model, "model", "jaw"))
-    names = rung.muscles.parameter_names
-    check_numbers(table, {"states": N_BODY if rung.estimator == "bilateral" else N_STATES, "parameters": len(names)})
-    tilt = either(head_tilt_deg, "head_tilt_deg", 0.0)
-    jaw = given_geometry(jaw, rung, tilt, header if model is None else {}, table.path)
+    header = {word: value for word, value in table.header.items() if _OVERRULED.get(word) not in settings}
+    world = given_world(configuration or defaults.UNLABELLED, settings, header, table.path)
+    names, sensor = world.muscles.parameter_names, world.force_sensor
+    check_numbers(
+        table, {"states": N_BODY if world.filter_model == "bilateral" else N_STATES, "parameters": len(names)}
+    )
+    tilt = header.get("head_tilt_deg", 0.0) if head_tilt_deg is None else head_tilt_deg
+    jaw = given_geometry(jaw, world, tilt, header, table.path)
     size = defaults.motion_size(jaw)
     time = even_time(table)
     check_columns(table, size)
     measured = encoders(table)
-    sensor = either(force_sensor, "force_sensor", "cell")
-    errors = given_errors(device, header, sensor, float(time[1] - time[0]))
-    measured_by = given_device(device, header.get("device"), table.path)
-    start, spread = either(start_mean, "start_mean"), either(start_sd, "start_sd")
+    errors = given_errors(world, header, float(time[1] - time[0]))
+    start, truth = header.get("start_mean"), header.get("truth")
     if start is None:
         start = defaults.motion_of_reading(jaw, measured[0], errors["measurement_sd"])
-    known = either(truth, "truth")
+    is_of_a_device = configuration is not None or sensor != "cell" or "device" in header | settings
     return Record(
         time=time,
         measured=measured,
         samples=samples(table, slack=sensor == "straps"),
         start_mean=np.array(start, dtype=np.float64),
-        start_sd=np.array(defaults.start_sd(jaw) if spread is None else spread, dtype=np.float64),
-        knowledge=given_knowledge(knowledge, header.get("knowledge"), table.path),
+        start_sd=np.array(header.get("start_sd", defaults.start_sd(jaw)), dtype=np.float64),
+        knowledge=world.build_knowledge(),
         jaw=jaw,
-        prior=given_prior(prior, cohort, header, rung.muscles, table.path),
+        prior=given_prior(world, header),
         parameter_names=names,
         force_sensor=sensor,
-        device=Device() if measured_by is None and sensor != "cell" else measured_by,
-        control=either(control, "control", "force"),
-        truth=None if known is None else np.array(known, dtype=np.float64),
+        device=world.build_device() if is_of_a_device else None,
+        control=world.control,
+        truth=None if truth is None else np.array(truth, dtype=np.float64),
         states=stacked(table, true_motion(size)),
         wrenches=wrenches(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
         **errors,
     )
+
+
+_OF_A_DEVICE = ("measurement_sd", "wrench_sd", "cell_sd", "gain_sd", "disturbance_time_s", "disturbance_sd")
+_OVERRULED = {
+    **dict.fromkeys(_OF_A_DEVICE, "device"),
+    **dict.fromkeys(("prior_mean", "prior_sd"), "cohort"),
+    "jaw": "model",
+}
+"""Words of the header -> the setting that says anew what they say."""
 
 
 def _header(record: Record) -> dict[str, Any]:
@@ -168,8 +147,8 @@ def _header(record: Record) -> dict[str, Any]:
         for name in ("measurement_sd", "wrench_sd", "cell_sd", "start_mean", "start_sd")
     }
     header["gain_sd"] = record.gain_sd
-    if not record.knowledge.exact:
-        header["knowledge"] = {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0}
+    known = {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0}
+    header["knowledge"] = known or "exact"
     if record.disturbance_time_s > 0.0:
         header["disturbance_time_s"] = record.disturbance_time_s
         header["disturbance_sd"] = record.disturbance_sd.tolist()

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from jawenv.anatomy.knowledge import Knowledge
+from jawenv.device.device import TICK
 from jawenv.device.force_sensor import device_with_sensor, sds_of_sensor
 from jawenv.envs.configuration import Configuration
-from jawenv.envs.world.plants import TICK
 from jawenv.filter.belief.state import filter_settings_dtype
-from jawenv.filter.model.initial_motion import start_sd
 from jawenv.filter.nuisances.directions import directions
 from jawenv.filter.nuisances.unknowns import Values
-from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, used_readings
+from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, start_sd, used_readings
 from jawenv.kernels.records import record_zeros
-from jawenv.ladder import Model, model_named
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings import defaults
 from jawenv.recordings.record import Record
@@ -25,26 +19,12 @@ from jawenv.recordings.record import Record
 _OF_THE_BODY = ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity")
 
 
-def _sds_of(
-    jaw: Any, model: Model, knowledge: Knowledge, prior: Any, motor_sds: NDArray[np.float64] | None, lasting: bool
-) -> tuple[Any, list[Values]]:
-    """The geometry about which sds are taken, and one sd of every nuisance that the filter integrates out.
-
-    Sds of mass, inertia and gravity are those of the default mandible with the head upright, as an environment has
-    them.
-
-    Args:
-        jaw: geometry of the patient.
-        model: rung of the ladder.
-        knowledge: the sds.
-        prior: of the parameters.
-        motor_sds: those of a force that no load cell reads, or None.
-        lasting: whether the disturbance has memory.
-    """
-    upright, default = jaw.copy(), defaults.geometry(model.name)
+def _upright(jaw: Any, configuration: Configuration) -> Any:
+    """The geometry about which sds are taken: mass, inertia and gravity are the environment's, the head upright."""
+    upright, default = jaw.copy(), defaults.geometry_of(configuration)
     for name in _OF_THE_BODY:
         upright[name] = default[name]
-    return upright, directions(knowledge, model.muscles, upright, prior.mean, motor_sds, lasting=lasting)
+    return upright
 
 
 def settings_of_record(record: Record) -> Any:
@@ -58,9 +38,9 @@ def settings_of_record(record: Record) -> Any:
         force = motor_sds, record.device.records()[0]
     if not record.knowledge.exact or force is not None:
         model = defaults.matching_models(record.parameter_names, states)[0]
-        parts = record.jaw, model, record.knowledge, record.prior
-        upright, sds = _sds_of(*parts, None if force is None else force[0], record.disturbance_time_s > 0.0)
-        muscle_set = model.muscles
+        upright, muscle_set = _upright(record.jaw, Configuration(model=model.name)), model.muscles
+        parts = record.knowledge, muscle_set, upright, record.prior.mean, None if force is None else force[0]
+        sds = directions(*parts, lasting=record.disturbance_time_s > 0.0)
     lines = len(record.jaw["l_o"]) if sds else 1
     disturbance = N_WRENCH if record.disturbance_time_s > 0.0 else 0
     settings = record_zeros(1, filter_settings_dtype(muscles, states, lines, len(sds), disturbance))[0]
@@ -81,13 +61,14 @@ def settings_of_record(record: Record) -> Any:
 
 def settings_of_configuration(configuration: Configuration, jaw: Any) -> Any:
     """Settings of an environment's filter, of dtype ``filter_settings_dtype``, for the geometry ``jaw``."""
-    model, muscles, device = model_named(configuration.model), configuration.muscles, configuration.build_device()
+    muscles, device = configuration.muscles, configuration.build_device()
     prior, knowledge = configuration.build_cohort().prior, configuration.build_knowledge()
     sensor = configuration.force_sensor
     motor_sds = sds_of_sensor(sensor, device)
     force = None if motor_sds is None else (motor_sds, device_with_sensor(sensor, device)[0])
     noise, spread = noise_of(device, sensor, TICK), start_sd(jaw, int(jaw["condyles"]))
-    upright, sds = _sds_of(jaw, model, knowledge, prior, motor_sds, noise.disturbance_time_s > 0.0)
+    upright = _upright(jaw, configuration)
+    sds = directions(knowledge, muscles, upright, prior.mean, motor_sds, lasting=noise.disturbance_time_s > 0.0)
     disturbance = N_WRENCH if noise.disturbance_time_s > 0.0 else 0
     sizes = len(muscles), len(spread), len(muscles.muscle), len(sds), disturbance
     settings = record_zeros(1, filter_settings_dtype(*sizes))[0]

@@ -1,4 +1,4 @@
-"""Settings of a recording: what an argument gives, else the file's header, else the default."""
+"""Settings of a recording: what the caller says by name, else the file's header, else a configuration."""
 
 from __future__ import annotations
 
@@ -6,37 +6,47 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.anatomy import Prior, cohort
-from jawenv.anatomy.knowledge import Knowledge
-from jawenv.anatomy.knowledge import knowledge as knowledge_of
+from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError
-from jawenv.base.files import Source
-from jawenv.device.device import Device
-from jawenv.device.force_sensor import ForceSensor
+from jawenv.envs.configuration import Configuration, configure
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings import defaults
+from jawenv.recordings.words import OBJECTS, TEXTS
+
+Header = dict[str, Any]
 
 
-def given_errors(device: Device | None, header: dict[str, Any], sensor: ForceSensor, dt: float) -> dict[str, Any]:
-    """A record's sds and the disturbance: of the device given, or the file's own, or the default device's."""
-    noise, stored = device or Device(), header if device is None else {}
-    time_constant = float(stored.get("disturbance_time_s", noise.unmodelled_time_s))
+def given_world(configuration: Configuration, settings: dict[str, Any], header: Header, path: str) -> Configuration:
+    """The configuration with what the file says in its place, and with the caller's settings in the place of both."""
+    rate: dict[str, Any] = {"control_hz": None}  # the control mode's own: a record has no control steps
+    words = {*TEXTS, *OBJECTS} - {"jaw", *settings}
+    try:
+        world = configure(rate | {word: header[word] for word in words if word in header}, base=configuration)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    return configure(rate | settings, base=world)
+
+
+def given_errors(world: Configuration, header: Header, dt: float) -> dict[str, Any]:
+    """A record's sds and the disturbance: the header's, or else those of the world's device."""
+    noise, sensor = world.build_device(), world.force_sensor
+    time_constant = float(header.get("disturbance_time_s", noise.unmodelled_time_s))
     remembered = defaults.disturbance_sd(noise) if time_constant > 0.0 else np.zeros(N_WRENCH)
     return {
-        "measurement_sd": np.array(stored.get("measurement_sd", defaults.measurement_sd(noise))),
-        "wrench_sd": np.array(stored.get("wrench_sd", defaults.wrench_sd(noise, dt, sensor))),
-        "cell_sd": np.array(stored.get("cell_sd", defaults.cell_sd(noise, sensor))),
-        "gain_sd": float(stored.get("gain_sd", noise.cell_gain if sensor == "cell" else 0.0)),
+        "measurement_sd": np.array(header.get("measurement_sd", defaults.measurement_sd(noise))),
+        "wrench_sd": np.array(header.get("wrench_sd", defaults.wrench_sd(noise, dt, sensor))),
+        "cell_sd": np.array(header.get("cell_sd", defaults.cell_sd(noise, sensor))),
+        "gain_sd": float(header.get("gain_sd", noise.cell_gain if sensor == "cell" else 0.0)),
         "disturbance_time_s": time_constant,
-        "disturbance_sd": np.array(stored.get("disturbance_sd", remembered)),
+        "disturbance_sd": np.array(header.get("disturbance_sd", remembered)),
     }
 
 
-def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
-    jaw = defaults.geometry(model)
+def _stored_jaw(stored: dict[str, Any], like: Any, path: str) -> Any:
+    jaw = like.copy()
     try:
         for name in jaw.dtype.names:
-            jaw[name] = fields[name]
+            jaw[name] = stored[name]
             if not np.isfinite(jaw[name]).all():
                 raise ValueError("infinite or not a number")
     except (KeyError, TypeError, ValueError, OverflowError):
@@ -46,43 +56,18 @@ def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
     return jaw
 
 
-def given_geometry(jaw: Any | None, rung: Any, tilt: float, header: dict[str, Any], path: str) -> Any:
-    """The geometry given, or the file's own, or the model's at that tilt of the head."""
+def given_geometry(jaw: Any | None, world: Configuration, tilt: float, header: Header, path: str) -> Any:
+    """The geometry given, or the file's own, or the world's at that tilt of the head."""
+    own = defaults.geometry_of(world, tilt)
     if jaw is None:
-        stored = header.get("jaw")
-        jaw = defaults.geometry(rung.name, tilt) if stored is None else _stored_jaw(stored, rung.name, path)
-    lines = len(rung.muscles.muscle)
-    if len(jaw["l_o"]) != lines:
-        raise InputError(f"jaw has {len(jaw['l_o'])} lines; allowed with model {rung.name!r}: {lines}")
+        jaw = own if "jaw" not in header else _stored_jaw(header["jaw"], own, path)
+    if len(jaw["l_o"]) != len(own["l_o"]):
+        raise InputError(f"jaw has {len(jaw['l_o'])} lines; allowed with model {world.model!r}: {len(own['l_o'])}")
     return jaw
 
 
-def given_device(device: Device | None, fields: Any, path: str) -> Device | None:
-    """The device given, or the file's own."""
-    if device is not None or fields is None:
-        return device
-    try:
-        return Device(**fields)
-    except TypeError:
-        raise InputError(f"{path}: device is {str(fields)[:40]!r}; allowed: fields of jawenv.Device") from None
-
-
-def given_knowledge(knowledge: str | Knowledge | Source | None, stored: Any, path: str) -> Knowledge:
-    """The knowledge given, or the file's own."""
-    if knowledge is not None or stored is None:
-        return knowledge_of(knowledge)
-    try:
-        return knowledge_of(stored)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-
-
-def given_prior(prior: Prior | None, name: str | None, header: dict[str, Any], muscles: Any, path: str) -> Prior:
-    """The prior given, or that of the cohort given, or the file's own."""
-    if prior is None and name is None and "prior_mean" in header and "prior_sd" in header:
-        prior = Prior(header["prior_mean"], header["prior_sd"])
-    if prior is None:
-        return cohort(name or header.get("cohort", "trismus"), muscles).prior
-    if len(prior.mean) != len(muscles.parameter_names):
-        raise InputError(f"{path}: prior has {len(prior.mean)} parameters; allowed: {len(muscles.parameter_names)}")
-    return prior
+def given_prior(world: Configuration, header: Header) -> Prior:
+    """The prior in the header, or else that of the world's cohort."""
+    if "prior_mean" in header and "prior_sd" in header:
+        return Prior(header["prior_mean"], header["prior_sd"])
+    return world.build_cohort().prior

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 LARGEST_MISFIT = 1.0
 MOST_REFUSED = 0.05
 MOST_LEFT_OUT = 0.1
+LEAST_S = 0.5
 EVERY = 5
 
 
@@ -30,6 +31,7 @@ class Identification:
 
     estimate: Estimate  # the belief over time
     rows: int  # at which something of the encoders was read
+    learnt_s: float  # time of the rows from which something was learnt: at the teeth nothing is
     refused: int  # rows whose readings the filter's gate did not learn from
     numbers: int  # read by encoders and load cell
     left_out: int  # numbers out of range, or of a frozen sensor
@@ -45,6 +47,8 @@ class Identification:
             for finding in self.findings
             if not finding.plausible
         ]
+        if not doubts and self.learnt_s < LEAST_S:
+            doubts.append(f"rows that teach: {self.learnt_s:.2g} s; allowed: {LEAST_S:g} s or more, off the teeth")
         if not self.misfit <= LARGEST_MISFIT:
             doubts.append(f"the readings do not fit the model: misfit {self.misfit:.3g}; allowed: {LARGEST_MISFIT:g}")
         for what, share, most in (
@@ -90,6 +94,7 @@ def identified(record: Record, *, untold: bool = False) -> Identification:
     return Identification(
         estimate=Estimate("tension filter", np.array(times), np.array(means), np.array(covs)),
         rows=int(encoders.any(axis=1).sum()),
+        learnt_s=belief.learnt * short.dt,
         refused=belief.gated,
         numbers=int(encoders.sum() + cell.sum()),
         left_out=int(left_out - missing),

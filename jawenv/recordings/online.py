@@ -8,14 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jawenv.anatomy import Cohort
-from jawenv.anatomy.knowledge import Knowledge
 from jawenv.base.errors import InputError, shown
-from jawenv.base.files import Source
-from jawenv.base.numeric_fields import real_number, whole_number
-from jawenv.device.device import Device
-from jawenv.device.force_sensor import ForceSensor
-from jawenv.envs.configuration import Configuration, Sensors
+from jawenv.base.numeric_fields import whole_number
+from jawenv.envs.configuration import Configuration, configure
 from jawenv.envs.world.kept_ticks import keep_reading
 from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
 from jawenv.filter.learn import conclude
@@ -39,7 +34,7 @@ from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
 
-STEEPEST_TILT = 90.0  # degrees
+EVERY = 5  # ticks from one belief to the next, where nothing says otherwise
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +49,7 @@ class OnlineBelief:
     """The alarm, above 1 where no parameters explain the readings, or the belief moves by more than it claims."""
     gated: int  # ticks so far whose readings were refused
     left_out: int  # readings of this tick that were missing, out of range or frozen
+    learnt: int  # ticks so far from which something was learnt: at the teeth nothing is
 
     @property
     def log_sd(self) -> Array:
@@ -77,23 +73,22 @@ class OnlineBelief:
 class OnlineFilter:
     """The filter of the environments, fed by a device at 100 Hz.
 
-    The arguments are those of the environments. All memory is allocated and all kernels are compiled or loaded before
-    the constructor returns. Readings are filtered again where the belief has moved far, at the latest after 20,480
-    ticks: such an update filters all readings before it, so a loop must be able to queue some (measured: 0.06 ms for
-    most updates, and 0.007 ms more for each reading filtered again, 0.045 ms with ``knowledge="imaged"``).
+    All memory is allocated and all kernels are compiled or loaded before the constructor returns. Readings are filtered
+    again where the belief has moved far, at the latest after 20,480 ticks: such an update filters all readings before
+    it, so a loop must be able to queue some (measured: 0.06 ms for most updates, and 0.007 ms more for each reading
+    filtered again, 0.045 ms with ``knowledge="imaged"``).
 
     Args:
-        model: Rung of the ladder. ``"sagittal"`` needs the extra ``sagittal``.
-        cohort: Whose prior is the belief before the first reading.
-        device: With its noise of encoders and load cell.
-        sensors: ``"pose"``, or ``"point"`` for place and velocity of the mouthpiece alone.
-        knowledge: What is known of anatomy and mounting within sds.
-        force_sensor: How the device knows its force: the samples are those of the load cell, or the wrench that the
-            motors' or straps' readings make along their believed directions.
+        configuration: An environment's, as its attribute ``configuration``; the default environment's without it,
+            and the cohort anyone.
         head_tilt_deg: Pitch of the head, positive looking down.
         jaw: A geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``, which has the tilt;
-            sds of mass and inertia are relative to the default mandible's.
-        every: Ticks from one belief to the next; 5 as in the environments at 20 Hz.
+            sds of mass and inertia are relative to the environment's mandible.
+        every: Ticks from one belief to the next; by default those of the configuration's control step, or 5 without it.
+        **settings: Arguments of the environments by name, which come before the configuration: ``model``, ``cohort``
+            (whose prior is the first belief), ``device`` (with its noise), ``sensors``, ``knowledge``, ``anatomy``,
+            ``force_sensor`` (the samples are those of the load cell, or the wrench that the motors' or straps' readings
+            make along their believed directions).
 
     Raises:
         InputError: an argument has a value that is not allowed.
@@ -106,46 +101,32 @@ class OnlineFilter:
 
     def __init__(
         self,
+        configuration: Configuration | None = None,
         *,
-        model: str = "jaw",
-        cohort: str | Cohort | Source = "trismus",
-        device: Device | Source | None = None,
-        sensors: Sensors = "pose",
-        knowledge: str | Knowledge | Source | None = None,
-        force_sensor: ForceSensor = "cell",
         head_tilt_deg: float = 0.0,
         jaw: Any | None = None,
-        every: int = 5,
+        every: int | None = None,
+        **settings: Any,
     ) -> None:
         """Check the arguments, allocate and compile."""
-        tilt = real_number(head_tilt_deg)
-        if tilt is None or abs(tilt) > STEEPEST_TILT:
-            raise InputError(
-                f"head_tilt_deg is {shown(head_tilt_deg)}; allowed: -{STEEPEST_TILT:g} to {STEEPEST_TILT:g}"
-            )
-        configuration = Configuration(
-            model=model,
-            cohort=cohort,
-            device=device,
-            sensors=sensors,
-            knowledge=knowledge,
-            force_sensor=force_sensor,
-            episode_s=1.0,
-        )
-        own = defaults.geometry(model, tilt)
+        world = configure(settings, type(self), configuration or defaults.UNLABELLED)
+        own = defaults.geometry_of(world, head_tilt_deg)
         if jaw is not None:
-            if (len(jaw["l_o"]), jaw["condyles"]) != (len(own["l_o"]), own["condyles"]) or tilt != 0.0:
+            if (len(jaw["l_o"]), jaw["condyles"]) != (len(own["l_o"]), own["condyles"]) or head_tilt_deg != 0.0:
                 raise InputError(
-                    f"jaw has {len(jaw['l_o'])} lines and {jaw['condyles']} condyles, head_tilt_deg is {tilt:g}; "
-                    f"allowed with model {model!r}: {len(own['l_o'])} lines, {own['condyles']} condyles, tilt 0"
+                    f"jaw has {len(jaw['l_o'])} lines and {jaw['condyles']} condyles, head_tilt_deg is "
+                    f"{head_tilt_deg:g}; allowed with model {world.model!r}: {len(own['l_o'])} lines, "
+                    f"{own['condyles']} condyles, tilt 0"
                 )
             own = jaw
+        if every is None:
+            every = EVERY if configuration is None else configuration.ticks_per_step
         self._start: tuple[Array, Array] | None = None
-        names = configuration.muscles.parameter_names
-        self._prepare(own, settings_of_configuration(configuration, own), names, every)
+        names = world.muscles.parameter_names
+        self._prepare(own, settings_of_configuration(world, own), names, every)
 
     @classmethod
-    def of_record(cls, record: Record, *, every: int = 5) -> OnlineFilter:
+    def of_record(cls, record: Record, *, every: int = EVERY) -> OnlineFilter:
         """The filter with a record's geometry, knowledge, noise, prior, length of a tick, and motion at the start."""
         online = cls.__new__(cls)
         online._start = record.start_mean, record.start_sd
@@ -287,6 +268,7 @@ class OnlineFilter:
             float(belief["misfit"]),
             int(belief["gated"]),
             left_out,
+            int(belief["readings"]),
         )
 
 

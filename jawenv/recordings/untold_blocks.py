@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import IMAGED
-from jawenv.device.force_sensor import N_SHAPES
 from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.belief.state import (
+    FARTHEST,
+    N_SHAPES,
     Belief,
     FilterSettings,
     begin_motion,
@@ -20,7 +21,7 @@ from jawenv.filter.belief.state import (
 )
 from jawenv.filter.model.basis import N_NODES
 from jawenv.filter.nuisances.changed_jaw import move_jaw
-from jawenv.filter.nuisances.unknowns import FARTHEST, WRENCH_UNITS
+from jawenv.filter.nuisances.unknowns import WRENCH_UNITS
 from jawenv.filter.tick import FilterScratch, begin_filter, filter_scratch_dtype, take_readings, tick_dtype
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros

@@ -30,11 +30,14 @@ WORDS = (*TEXTS, *OBJECTS, *NUMBERS)
 
 
 def check_texts(table: RecordTable) -> None:
-    """Check that names are names, and that a prior is whole."""
+    """Check that names are names, a device is its fields, and a prior is whole."""
     for name in TEXTS:
         if name in table.header and not isinstance(table.header[name], str):
             value = shown(table.header[name])
             raise InputError(f"{table.path}: {name} is {value}; allowed: a name in quotation marks")
+    if not isinstance(table.header.get("device", {}), Mapping):
+        value = shown(table.header["device"])
+        raise InputError(f"{table.path}: device is {value}; allowed: fields of jawenv.Device")
     for name, other in (("prior_mean", "prior_sd"), ("prior_sd", "prior_mean")):
         if name in table.header and other not in table.header:
             raise InputError(f"{table.path}: {name} is given without {other}; allowed: both or neither")

@@ -49,7 +49,7 @@ def test_with_both_priors_it_is_the_filters_belief(played):
 
 def test_the_anatomy_is_learned_as_the_filters_nuisances_say(played):
     """Means of the patient's own values are those that the filter believes, in the directions that it has."""
-    from jawenv.envs.world.own_anatomy import own_values
+    from jawenv.filter.nuisances.unknowns import own_values
 
     simulation, _ = played
     own = np.array([own_values(values) for values in simulation.nuisance_sds])

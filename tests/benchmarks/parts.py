@@ -190,7 +190,7 @@ def seconds_of(part: Part, vec: Any, repeats: int, count: int = 3_000) -> float:
 
     def run() -> None:
         given = simulation.device, simulation.models, simulation.worlds.copy(), simulation.settings
-        loop(*given, simulation._scratches, count)
+        loop(*given, simulation.scratches, count)
 
     run()
     return best_of(run, repeats) / count
@@ -232,12 +232,12 @@ def scratch_seconds(repeats: int) -> list[float]:
     numba.set_num_threads(1)
     simulation, times = vec.simulation, np.full(len(SCRATCH_OFFSETS), np.inf)
     actions, active = gentle(30).astype(np.float64), np.ones(WORLDS, dtype=np.bool_)
-    dtype, before = simulation._scratches.dtype, simulation.worlds.copy()
+    dtype, before = simulation.scratches.dtype, simulation.worlds.copy()
     room = np.zeros(dtype.itemsize + 2 * LINE, dtype=np.uint8)
     line = -room.ctypes.data % LINE
     for _ in range(repeats):
         for place, offset in enumerate(SCRATCH_OFFSETS):
-            simulation._scratches = room[line + offset :][: dtype.itemsize].view(dtype)
+            simulation.scratches = room[line + offset :][: dtype.itemsize].view(dtype)
             simulation.worlds[:] = before
             spent = best_of(lambda: repeat(lambda: simulation.advance(actions, active), 10), 1)
             times[place] = min(times[place], spent / 10 / WORLDS)

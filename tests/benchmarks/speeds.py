@@ -12,8 +12,8 @@ import gymnasium as gym
 import numpy as np
 
 from agents import load_agent
+from jawenv.device.device import TICK
 from jawenv.envs.registration import ENVIRONMENTS
-from jawenv.envs.world.plants import TICK
 from jawenv.playing.agents import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
 

@@ -198,7 +198,7 @@ def test_play_without_a_display_names_the_page(capsys, monkeypatch):
 
 
 def test_play_shows_an_episode(capsys, monkeypatch):
-    monkeypatch.setattr("jawenv.rendering.display.check_display", lambda user, remedy: None)
+    monkeypatch.setattr("jawenv.base.display.check_display", lambda user, remedy: None)
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     assert main(["play", "refined", "--episode-s", "0.4"]) == 0
     assert "worst sd" in capsys.readouterr().out

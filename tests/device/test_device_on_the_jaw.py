@@ -7,8 +7,9 @@ import pytest
 
 from jawenv.device.comfort import COMFORT_LIMITS, GOVERNOR_ONSET
 from jawenv.device.comfort_settings import Comfort
+from jawenv.device.device import TICK
 from jawenv.device.motors import ON_PATH, command_motors, device_wrench
-from jawenv.envs.world.plants import SUBSTEPS, TICK
+from jawenv.envs.world.plants import SUBSTEPS
 from jawenv.mechanics.dynamics import state_rate
 
 ID = "jawenv/Jaw-v3"

@@ -5,10 +5,20 @@ import newton_euler as twin
 import numpy as np
 import pytest
 
-from jawenv.device.motors import BRAKED, CAPPED, IDLE, ON_PATH, STOPPED, STOPPED_AND_BRAKED, YIELD_FORCE, device_wrench
-from jawenv.device.stiffness import held_rate
+from jawenv.device.device import TICK
+from jawenv.device.motors import (
+    BRAKED,
+    CAPPED,
+    IDLE,
+    ON_PATH,
+    STOPPED,
+    STOPPED_AND_BRAKED,
+    YIELD_FORCE,
+    device_wrench,
+    held_rate,
+)
 from jawenv.envs.world.condyles import true_motion
-from jawenv.envs.world.plants import SUBSTEPS, TICK, midline_steps, midline_tick
+from jawenv.envs.world.plants import SUBSTEPS, midline_steps, midline_tick
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.stiffness import fastest_rate
@@ -24,7 +34,7 @@ class Tick:
         env.reset(seed=seed)
         simulation = env.simulation
         self.world, self.device, self.settings = simulation.worlds[0], simulation.device[0], simulation.settings[0]
-        self.scratch, self.trajectory = simulation._scratches[0], np.uint8(control == "trajectory")
+        self.scratch, self.trajectory = simulation.scratches[0], np.uint8(control == "trajectory")
         self.scratch["effective"] = self.world["truth"]["muscles"]
         self.world["known"]["motors"]["cap"] = 50.0
 

@@ -6,9 +6,9 @@ from gymnasium.utils.env_checker import check_env
 
 import jawenv  # noqa: F401  registers the environments
 from eval.commands.app import main
+from jawenv.base.display import check_display
 from jawenv.base.errors import InputError
 from jawenv.envs import jaw
-from jawenv.rendering.display import check_display
 
 UNSEEN = [
     ({}, "neither DISPLAY nor WAYLAND_DISPLAY is set"),

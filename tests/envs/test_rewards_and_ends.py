@@ -6,7 +6,8 @@ import pytest
 
 import jawenv
 from jawenv.device.comfort import COMFORT_LIMITS
-from jawenv.envs.observation import OBSERVATION_LAYOUT, observe_world
+from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.envs.world.observation import observe_world
 from jawenv.metrics.calibration import claimed_information, true_information
 
 ID = "jawenv/Jaw-v3"
@@ -128,7 +129,7 @@ def test_the_observation_reads_nothing_of_the_truth(control):
     truth = env.simulation.worlds["truth"]
     truth[:] = np.frombuffer(bytes([63]) * truth.nbytes, dtype=truth.dtype)
     simulation, row = env.simulation, np.empty_like(seen)
-    settings, scratch = simulation.settings[0], simulation._scratches[0]["seeing"]
+    settings, scratch = simulation.settings[0], simulation.scratches[0]["seeing"]
     parts = simulation.worlds[0]["known"], settings["control"], settings["filter"]
     observe_world(simulation.device[0], simulation.models[0], *parts, scratch, row)
     np.testing.assert_array_equal(row, seen)

@@ -12,9 +12,10 @@ from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration, configure
 from jawenv.envs.simulation import Simulation
+from jawenv.filter.belief.state import FARTHEST
 from jawenv.filter.nuisances.changed_jaw import copy_jaw, move_jaw
 from jawenv.filter.nuisances.changes import add_readings, set_wrenches
-from jawenv.filter.nuisances.unknowns import FARTHEST, cell_turn_of, changed_jaw, offset_of, scaled, turn_of
+from jawenv.filter.nuisances.unknowns import cell_turn_of, changed_jaw, offset_of, scaled, turn_of
 from jawenv.filter.updates.measurement_update import EXPECTED
 from jawenv.kernels.compiled import njit
 from jawenv.playing.maneuvers import Player
@@ -63,7 +64,7 @@ def moved(jaw, settings, steps, result):
 
 def read_tick(simulation, belief, measured, samples):
     """One tick late in an episode, which is kept nowhere."""
-    settings, scratch = simulation.settings[0]["filter"], simulation._scratches[0]["filter"]
+    settings, scratch = simulation.settings[0]["filter"], simulation.scratches[0]["filter"]
     rows = simulation.ticks[0, :0]
     take_tick(simulation.models[0], belief, rows, (1001, 5), measured, samples, settings, scratch)
 
@@ -92,7 +93,7 @@ def by_differences(simulation, values, motion, wrench, acceleration):
 
 
 def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, rng):
-    settings, scratch = simulation.settings[0]["filter"], simulation._scratches[0]["filter"]["time"]["nuisances"]
+    settings, scratch = simulation.settings[0]["filter"], simulation.scratches[0]["filter"]["time"]["nuisances"]
     jaw, theta = simulation.models[0], simulation.cohort.prior.mean
     muscles = np.exp(theta).reshape(-1, 2)[jaw["muscle"]]
     for _ in range(3):
@@ -112,7 +113,7 @@ def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, r
 def test_what_a_jaw_at_rest_shows_and_what_accelerations_show_make_the_whole(rng):
     """Beside a disturbance with memory mass and centre of mass are two numbers each; damping is in motion alone."""
     made = Simulation(1, Configuration(knowledge=KNOWN, device={"unmodelled_time_s": 0.5}))
-    settings, scratch = made.settings[0]["filter"], made._scratches[0]["filter"]["time"]["nuisances"]
+    settings, scratch = made.settings[0]["filter"], made.scratches[0]["filter"]["time"]["nuisances"]
     muscles = np.exp(made.cohort.prior.mean).reshape(-1, 2)[made._jaw["muscle"]]
     motion, wrench = motion_at(rng), rng.normal(size=6)
 
@@ -137,7 +138,7 @@ def test_what_a_jaw_at_rest_shows_and_what_accelerations_show_make_the_whole(rng
 
 
 def test_a_nuisance_changes_the_readings_as_the_independent_jaw_says(simulation, rng):
-    settings, scratch = simulation.settings[0]["filter"], simulation._scratches[0]["filter"]["update"]["nuisances"]
+    settings, scratch = simulation.settings[0]["filter"], simulation.scratches[0]["filter"]["update"]["nuisances"]
     jaw, motion = simulation.models[0], motion_at(rng)
     rows, used = np.zeros((12, len(simulation._sds))), np.ones(12, dtype=np.uint8)
     readings_of(jaw, motion, settings, used, rows, scratch)
@@ -218,7 +219,7 @@ def test_a_maneuver_that_teaches_little_is_honest_too():
 def test_what_is_derived_holds_nothing_of_the_ticks_own_readings(rng):
     envs, _ = play("imaged", 1, 2, 989_000, "opening_with_swings")
     simulation = envs.unwrapped.simulation
-    rows, scratch, found = simulation.ticks[0], simulation._scratches[0]["filter"], []
+    rows, scratch, found = simulation.ticks[0], simulation.scratches[0]["filter"], []
     for noise in (0.0, 0.1):
         belief = simulation.worlds["known"]["belief"][:1].copy()
         samples = rows[100]["samples"] + noise * rng.normal(size=(3, 6))
@@ -241,7 +242,7 @@ def test_a_prediction_that_is_lost_loses_the_motion_and_nothing_else():
     read_tick(simulation, belief[0], rows[200]["measured"], rows[200]["samples"])
     for name in ("motion", "motion_cov", "by_tension", "information", "score"):
         assert np.isfinite(belief[name]).all(), name
-    assert simulation._scratches[0]["filter"]["verdict"] == EXPECTED, "and the tick's readings are used"
+    assert simulation.scratches[0]["filter"]["verdict"] == EXPECTED, "and the tick's readings are used"
 
 
 def test_a_cell_whose_axes_are_off_is_honest_where_that_is_known():

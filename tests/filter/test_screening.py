@@ -21,7 +21,7 @@ from jawenv.filter.readings.screening import (
 )
 from jawenv.filter.tick import filter_scratch_dtype
 from jawenv.kernels.records import record_zeros
-from jawenv.mechanics.jaw import build_jaw
+from jawenv.mechanics.building import build_jaw
 
 EVERY = np.ones(12, dtype=np.uint8)
 JAW = build_jaw()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.functions import sin_cos
+from jawenv.kernels.vec3 import sin_cos
 
 
 @njit

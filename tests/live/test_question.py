@@ -90,9 +90,9 @@ def test_the_easy_level_hides_its_bars_at_first_and_asks_at_the_end(tmp_path):
         assert [row.said for row in page._question.answer] == [True] + 5 * [False]
         page._fulfil(page._choices.next_patient)
         assert page.session.setup.seed == 501 and page._question.answer == []
-        page._choices._level.value = "patchy"
+        page._choices._level.value = "anyone"
         page._fulfil(page._choices._choose_level)
-        assert level_of(page.session.setup).title == "patchy" and page._hidden_s == 0.0
+        assert level_of(page.session.setup).title == "anyone" and page._hidden_s == 0.0
         page.step()
         assert "known" in page._view._posterior.content
         with pytest.raises(InputError):

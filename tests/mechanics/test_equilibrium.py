@@ -9,7 +9,7 @@ import jawenv
 from jawenv.base.errors import InputError
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.passive_opening import passive_opening
+from jawenv.mechanics.passive_opening import passive_opening, pull_to_open
 
 CLOSED = (3e-3, 0.0, 0.05, 0.0, 0.0)
 
@@ -101,6 +101,17 @@ def test_stiffer_patients_open_less_and_weak_ones_snap_through(jaw):
     openings = passive_opening([all_muscles(F_o) for F_o in (0.25, 1.2, 4.0)], (5.0, 20.0))
     assert np.all(np.diff(openings, axis=0) < 0.0) and np.all(np.diff(openings, axis=1) >= 0.0)
     assert openings[0, 0] == openings[0, 1]  # nothing holds it any more
+
+
+def test_a_pull_is_the_one_that_opens_so_far(jaw):
+    theta = [all_muscles(F_o) for F_o in (1.2, 4.0)]
+    openings = passive_opening(theta, (8.0, 15.0))
+    for row, reached in zip(theta, openings, strict=True):
+        np.testing.assert_allclose(pull_to_open(row, reached), (8.0, 15.0), atol=0.05)
+    assert pull_to_open(all_muscles(0.7), (1.0,)) == 0.0, "it rests further open"
+    assert np.diff(pull_to_open(all_muscles(4.0), (20.0, 25.0, 30.0)), 2) > 0.0, "ever stiffer"
+    with pytest.raises(InputError, match="^openings_mm is .*; allowed: "):
+        pull_to_open(all_muscles(4.0), (-1.0,))
 
 
 @pytest.mark.parametrize(

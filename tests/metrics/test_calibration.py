@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2, multivariate_normal
 
-from jawenv.metrics import claimed_information, covered, log_density, nees, nees_band, true_information
+from jawenv.metrics import alarm_word, claimed_information, covered, log_density, nees, nees_band, true_information
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -75,3 +75,8 @@ def test_nees_band_is_the_chi_squared_interval_of_the_mean():
 
 def test_covered_by_hand():
     assert covered(np.array([-0.9, 1.1]), np.array([1.0, 1.0]), 1).tolist() == [True, False]
+
+
+def test_the_alarm_has_a_yellow_level_below_the_one_that_rings():
+    said = [alarm_word(misfit) for misfit in (0.0, 0.6, 0.61, 1.0, 1.01, np.inf, np.nan)]
+    assert said == ["silent", "silent", "yellow", "yellow", "rings", "rings", "rings"]

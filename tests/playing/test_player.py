@@ -8,7 +8,7 @@ import pytest
 from jawenv.base.errors import InputError
 from jawenv.device.device import Device
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
-from jawenv.envs.world.observation import FORCE_SCALE
+from jawenv.envs.world.layout import FORCE_SCALE
 from jawenv.playing.agents import Agent, Memory
 from jawenv.playing.maneuvers.maneuver import Maneuver, Player
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from jawenv.reality import Reality
-from jawenv.reality.bands import INSERTION, ORIGIN, OTHER_B, SCAR_ONSET, SCAR_SLACK, bands_push
+from jawenv.reality.joint import INSERTION, ORIGIN, OTHER_B, SCAR_ONSET, SCAR_SLACK, bands_push
 
 OPEN = np.array([6e-3, 1e-3, 0.28, 0.03, -0.05])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from reality_states import Tissue, drawn_muscles
 
-from jawenv.reality.faults import fail
+from jawenv.reality.sensors import fail
 
 KEY = np.uint64(11), np.uint64(12)
 TICKS = 2000

@@ -8,9 +8,8 @@ from jawenv.anatomy import known_muscle_sets
 from jawenv.device.comfort import limits_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.reality import Reality, perturb_geometry
-from jawenv.reality.faults import fail
 from jawenv.reality.joint import articular_push
-from jawenv.reality.sensors import biased, play
+from jawenv.reality.sensors import biased, fail, play
 
 KEY = np.uint64(1), np.uint64(2)
 

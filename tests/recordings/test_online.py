@@ -15,6 +15,7 @@ from scipy.stats import lognorm
 import jawenv
 from agents import load_agent
 from jawenv.anatomy import default_mandible
+from jawenv.envs.configuration import configure
 from jawenv.mechanics import build_jaw
 from jawenv.recordings import defaults
 from jawenv.recordings.online import OnlineBelief, OnlineFilter
@@ -63,6 +64,16 @@ def test_the_environments_arguments_give_its_belief_to_the_bit():
     same(fed(online, record.measured, record.samples), run.belief_mean[0], run.belief_cov[0], 10)
 
 
+def test_an_environments_configuration_gives_its_belief_to_the_bit():
+    """Its anatomy and the ticks of its control step are in it; what is told by name comes before it."""
+    anatomy = {"mandible": {"mass_kg": 0.3}}
+    run = played(anatomy=anatomy, control_hz=10.0)
+    record, world = run.records[0], configure({"anatomy": anatomy, "control_hz": 10.0, "control": "force"})
+    for online in (OnlineFilter(world), OnlineFilter(replace(world, cohort="healthy"), cohort="trismus")):
+        online.reset(record.start_mean)
+        same(fed(online, record.measured, record.samples), run.belief_mean[0], run.belief_cov[0], 10)
+
+
 @pytest.mark.parametrize(
     "told",
     [{"knowledge": "imaged"}, {"device": {"unmodelled_time_s": 0.5}}, {"force_sensor": "straps", "knowledge": BODY}],
@@ -107,7 +118,7 @@ def test_a_start_that_is_not_told_follows_from_the_first_reading():
     start = defaults.motion_of_reading(record.jaw, record.measured[0], record.measurement_sd)
     unknown = replace(record, start_mean=start, start_sd=defaults.start_sd(record.jaw))
     expected = TensionFilter().estimate(unknown)
-    last = fed(OnlineFilter(), record.measured, record.samples)[-1]
+    last = fed(OnlineFilter(cohort="trismus"), record.measured, record.samples)[-1]
     np.testing.assert_allclose(last.log_mean, expected.mean[-1], rtol=1e-6)
     np.testing.assert_allclose(last.log_cov, expected.cov[-1], rtol=1e-4, atol=1e-10)
 
@@ -243,6 +254,7 @@ def test_what_a_reset_refuses(online, arguments):
         {"cohort": "fish"},
         {"sensors": "smell"},
         {"knowledge": "vague"},
+        {"chort": "trismus"},
     ],
 )
 def test_what_the_constructor_refuses(arguments):

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 import jawenv
 from jawenv.anatomy import cohort
+from jawenv.anatomy.knowledge import LEVELS
 from jawenv.base.errors import InputError
+from jawenv.envs.configuration import configure
 from jawenv.ladder import MODELS, model_named
 from jawenv.recordings import defaults
 from jawenv.recordings.columns import ENCODERS, READINGS
@@ -131,9 +133,22 @@ def test_an_unknown_wrench_matters_less_over_a_longer_tick():
 
 def test_noise_and_prior_can_be_given(tmp_path):
     device = jawenv.Device(encoder_position_mm=0.3)
-    record = load_record(written(tmp_path, *ROWS), device=device, cohort="healthy", model="sides", truth=np.zeros(4))
+    record = load_record(written(tmp_path, *ROWS), device=device, cohort="healthy", model="sides")
     assert record.measurement_sd[0] == pytest.approx(3e-4)
     np.testing.assert_allclose(record.prior.mean, cohort("healthy", model_named("sides").muscles).prior.mean)
+
+
+def test_what_is_said_comes_before_the_file_and_the_file_before_the_configuration(tmp_path):
+    path = written(tmp_path, *ROWS, header='# cohort: "patchy"\n' + HEADER)
+    world = configure({"cohort": "healthy", "knowledge": "imaged", "control": "trajectory"})
+    priors = [load_record(path, world, cohort=said).prior.mean for said in ("one_sided", None)]
+    for name, prior in zip(("one_sided", "patchy"), priors, strict=True):
+        np.testing.assert_array_equal(prior, cohort(name).prior.mean)
+    record = load_record(path, world)
+    assert (record.knowledge, record.control, record.device) == (LEVELS["imaged"], "trajectory", jawenv.Device())
+    assert load_record(path, world, knowledge="exact").knowledge.exact
+    with pytest.raises(InputError, match="unexpected keyword argument 'chort'; did you mean cohort"):
+        load_record(path, chort="patchy")
 
 
 def test_what_moved_the_jaw_is_the_files_or_the_callers(tmp_path):

@@ -49,17 +49,6 @@ def test_what_lies_behind_the_horizon_stays():
     assert np.abs(changed[:20] - base.targets(STEP_S * np.arange(1, 21)).value).max() > 0.05
 
 
-def test_another_maneuver_follows_after_the_horizon():
-    """It is reached within two seconds, and changes nothing before."""
-    base, then = Maneuver.named("refined"), Maneuver.named("opening_with_swings")
-    knots, alone = Knots(base, 10.0, then), Knots(base, 10.0)
-    path, own = knots.targets(knots.start), alone.targets(alone.start)
-    np.testing.assert_array_equal(path[:50], own[:50])
-    late = STEP_S * np.arange(66, 151)
-    np.testing.assert_allclose(path[65:], then.targets(late).value, atol=1e-9)
-    assert np.abs(path[65:] - own[65:]).max() > 0.1
-
-
 def test_a_number_moves_its_channel_at_its_knot():
     knots = Knots(Maneuver.named("hold_still"), 2.0)
     numbers = np.zeros((5, 4))

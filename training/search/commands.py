@@ -86,7 +86,6 @@ def _description(design: Refinement) -> str:
         f"{OVER[design.over].format(patients=design.patients)} of {design.cohort!r}, {design.horizon_s:g} s after "
         f"the start, within comfort, in {design.control} control."
         + (f" Played in {title_of_env(env_id_of(design.env))}." if design.env != "Jaw" else "")
-        + (f" Then {Path(design.then).stem!r}." if design.then else "")
     )
 
 

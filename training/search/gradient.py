@@ -32,6 +32,8 @@ from training.run.config import ComfortConfig
 from training.search.settings import GradientSearch
 
 KNOT_S = 0.4
+TARGET_DISCOMFORT_S = 0.1  # in 30 s, on average
+LEARNING_RATE = 0.03  # of Adam at first; it falls to a tenth
 SCALE = torch.tensor([0.25, 0.4, 0.1, 0.4], dtype=torch.float64)
 """Of the channels' steps."""
 PER_30_S = 30.0
@@ -61,9 +63,9 @@ def refine(
     start = torch.tensor(maneuver.targets(times).value)
     between = torch.tensor(np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None))
     x = torch.zeros(len(knots), start.shape[1], dtype=torch.float64, requires_grad=True)
-    optimiser = torch.optim.Adam([x], settings.learning_rate, betas=(0.8, 0.95))
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, settings.updates, 0.1 * settings.learning_rate)
-    limit = ComfortConfig(target_discomfort_s=settings.target_discomfort_s, initial_multiplier=2.0)
+    optimiser = torch.optim.Adam([x], LEARNING_RATE, betas=(0.8, 0.95))
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, settings.updates, 0.1 * LEARNING_RATE)
+    limit = ComfortConfig(target_discomfort_s=TARGET_DISCOMFORT_S, initial_multiplier=2.0)
     price = Multiplier(limit)
     for update in range(settings.updates):
         worlds = Worlds(twin, Patients.of_worlds(simulation.worlds))

@@ -42,7 +42,7 @@ TAIL = 1.0 / 3.0  # of the patients, those known least, that ``over="tail"`` loo
 DISCOMFORT_S = 0.03 / 30.0  # mean discomfort per second of the episode that is allowed
 GOVERNOR = 0.02  # share of the time with the governor at work that is allowed
 INFEASIBLE = 1e3  # worse than any criterion
-RETURN_S = 2.0  # from the horizon to the maneuver that follows
+RETURN_S = 2.0  # from the horizon to rest
 STEP_S = 0.2  # between targets of the maneuver that is made
 KNOT_S = 0.4  # between knots
 SIZE = np.array([0.25, 0.4, 0.1, 0.4])
@@ -56,19 +56,15 @@ class Knots:
     Args:
         base: the maneuver.
         horizon_s: where the last knot lies.
-        then: maneuver after the horizon, reached within ``RETURN_S``; the maneuver itself by default.
 
     Attributes:
         start: (n,) zeros: the maneuver itself.
     """
 
-    def __init__(self, base: Maneuver, horizon_s: float, then: Maneuver | None = None) -> None:
+    def __init__(self, base: Maneuver, horizon_s: float) -> None:
         self.base = base
         times: Array = STEP_S * np.arange(1.0, round(max(horizon_s, length_s(base)) / STEP_S) + 1)
         self._targets: Array = base.targets(times).value
-        if then is not None:
-            after = np.clip((times - horizon_s) / RETURN_S, 0.0, 1.0)[:, None]
-            self._targets += after * (then.targets(times).value - self._targets)
         knots = KNOT_S * np.arange(1, max(1, round(horizon_s / KNOT_S)) + 1)
         self._weights = np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None)
         self.start = np.zeros(len(knots) * len(CHANNELS))
@@ -95,8 +91,7 @@ def length_s(maneuver: Maneuver) -> float:
 
 def knots_of(design: Refinement) -> Knots:
     """The maneuver with offsets of its targets."""
-    base, then = design.maneuvers()
-    return Knots(base, design.horizon_s, then)
+    return Knots(design.maneuver(), design.horizon_s)
 
 
 class Judged(NamedTuple):

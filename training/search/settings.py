@@ -90,7 +90,6 @@ class Refinement(SearchSettings):
     generations: int = option("Generations of CMA-ES.", "N", 120)
     population: int = option("Candidates in a generation.", "N", 14)
     sigma: float = option("First step size of the offsets.", default=0.12)
-    then: str = option("Maneuver that follows after the horizon.", "M", "")
     seed: int = option("Of the search.", "N", 0)
     env: str = option("Environment: Jaw, JawImaged, ...", "NAME", "Jaw")
 
@@ -106,23 +105,18 @@ class Refinement(SearchSettings):
         if not 0.0 < self.sigma <= 1.0:
             raise InputError(f"sigma is {self.sigma:g}; allowed: above 0, at most 1")
         configure(self.env_kwargs | {"model": model_of_env(self.env).name})
-        self.maneuvers()
+        self.maneuver()
 
     @property
     def env_kwargs(self) -> dict[str, Any]:
         """Arguments of the environment."""
         return {"control": self.control, "cohort": self.cohort, "episode_s": self.horizon_s}
 
-    def maneuvers(self) -> tuple[Maneuver, Maneuver | None]:
-        """The one that is refined, and the one that follows it."""
-        return _maneuver(self.refine), _maneuver(self.then) if self.then else None
+    def maneuver(self) -> Maneuver:
+        """The one that is refined."""
+        from jawenv.playing.maneuvers import Maneuver, maneuver_names
 
-
-def _maneuver(spec: str) -> Maneuver:
-    """A maneuver by its name or from its file."""
-    from jawenv.playing.maneuvers import Maneuver, maneuver_names
-
-    return Maneuver.named(spec) if spec in maneuver_names() else Maneuver.load(spec)
+        return Maneuver.named(self.refine) if self.refine in maneuver_names() else Maneuver.load(self.refine)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,12 +128,9 @@ class GradientSearch(SearchSettings):
     updates: int = option("Of the targets.", "N", 80)
     patients: int = option("New ones in each update.", "N", 64)
     horizon_s: float = option("Length of the maneuver.", "S", 10.0)
-    target_discomfort_s: float = option("Allowed on average, in 30 s.", "S", 0.1)
-    learning_rate: float = option("First step size of the offsets.", default=0.03)  # it falls to a tenth
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         self.check_least(updates=1, patients=1)
-        for name in ("horizon_s", "target_discomfort_s", "learning_rate"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"{name} is {getattr(self, name)}; allowed: more than 0")
+        if not self.horizon_s > 0.0:
+            raise InputError(f"horizon_s is {self.horizon_s}; allowed: more than 0")

@@ -7,9 +7,8 @@ zero. Plants that Python moves have ``plant_kernel``.
 
 from __future__ import annotations
 
-from jawenv.device.device import N_MOTORS, DeviceRecord
-from jawenv.device.motors import BRAKED, IDLE, device_wrench
-from jawenv.device.stiffness import held_rate
+from jawenv.device.device import N_MOTORS, TICK, DeviceRecord
+from jawenv.device.motors import BRAKED, IDLE, device_wrench, held_rate
 from jawenv.envs.world.load_cell import add_moments, clear_moments, take_samples
 from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
@@ -21,7 +20,6 @@ from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 from jawenv.reality.joint import tissue_push
 
-TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
 SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick, more where the jaw is stiff
 BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
 

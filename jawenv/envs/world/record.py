@@ -11,10 +11,16 @@ from numpy.typing import NDArray
 from jawenv.device.channels import Tracker
 from jawenv.device.comfort import N_LIMITS, ComfortRecord, Limits, limits_dtype
 from jawenv.device.device import N_MOTORS
-from jawenv.device.force_sensor import N_ERRORS, N_OFFSETS
+from jawenv.device.force_sensor import N_ERRORS
 from jawenv.device.motors import Motors
-from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
-from jawenv.filter.bound.bound_recursion import bound_size
+from jawenv.filter.belief.state import (
+    N_OFFSETS,
+    Belief,
+    FilterSettings,
+    belief_dtype,
+    filter_settings_dtype,
+    joint_size,
+)
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_NOISE, N_SAMPLES
 from jawenv.filter.tick import FilterScratch
@@ -124,7 +130,7 @@ def world_dtype(
         n_body: States of the plant with two condyles, 0 in a world of another.
     """
     truth = truth_dtype(
-        n_muscles, n_lines, n_body, n_nuisances, bound_size(n_muscles, n_states, n_nuisances, n_disturbance)
+        n_muscles, n_lines, n_body, n_nuisances, joint_size(n_muscles, n_states, n_nuisances, n_disturbance)
     )
     known = known_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance)
     return record_dtype(World, truth=truth, known=known)

@@ -14,16 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.comfort import N_LIMITS, cost_of, used_fractions
-from jawenv.device.device import DeviceRecord
+from jawenv.device.device import LAW_TICKS, TICK, DeviceRecord
 from jawenv.device.force_sensor import read_force
 from jawenv.device.motors import command_motors
 from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.information import refresh_information
 from jawenv.envs.world.kept_ticks import keep_reading, keep_truth
-from jawenv.envs.world.observation import observation_size, observe_world
-from jawenv.envs.world.plants import TICK, lift_of
+from jawenv.envs.world.layout import observation_size
+from jawenv.envs.world.observation import observe_world
+from jawenv.envs.world.plants import lift_of
 from jawenv.envs.world.record import Known, Scratch, Settings, Truth, World, seeing_dtype
-from jawenv.envs.world.tracking import LAW_TICKS, aim, follow, move_targets
+from jawenv.envs.world.tracking import aim, follow, move_targets
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import measure
 from jawenv.filter.model.joint_step import N_SAMPLES
@@ -36,9 +37,8 @@ from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import norm
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates, split
-from jawenv.reality.faults import fail
 from jawenv.reality.options import RealityRecord
-from jawenv.reality.sensors import biased, play
+from jawenv.reality.sensors import biased, fail, play
 from jawenv.reality.tissue import update_tissue
 
 _CELL, _ENCODERS = 6, 24

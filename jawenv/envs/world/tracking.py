@@ -1,7 +1,7 @@
 """The device follows targets: from an observation and what is wanted to the motors' action.
 
 The law sees what an agent sees and no more. Maneuvers in force and trajectory control use it from outside, through
-``follow``; with ``control="targets"`` the device itself does, every ``LAW_TICKS`` ticks.
+``follow``; with ``control="targets"`` the device itself does, every ``device.LAW_TICKS`` ticks.
 """
 
 from __future__ import annotations
@@ -25,10 +25,9 @@ from jawenv.device.comfort_settings import Comfort
 from jawenv.device.device import DeviceRecord
 from jawenv.device.guard import CREST_SHARE, shrink
 from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts
-from jawenv.envs.world.observation import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
+from jawenv.envs.world.layout import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
 from jawenv.kernels.compiled import njit
 
-LAW_TICKS = 5  # 20 Hz
 # What the law takes where it is not told.
 _CREST_M, _FORCE_N = pi / default_fossa().spatial_frequency, Comfort().force_N
 _POSE, _JAW = OBSERVATION_REST["pose"].start, OBSERVATION_REST["jaw"].start

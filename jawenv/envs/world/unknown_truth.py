@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
-from jawenv.envs.world.own_anatomy import with_anatomy_of
 from jawenv.filter.nuisances.unknowns import (
     Values,
     cell_turn_of,
@@ -18,6 +17,7 @@ from jawenv.filter.nuisances.unknowns import (
     no_unknowns,
     offset_of,
     turn_of,
+    with_anatomy_of,
     with_motors,
 )
 from jawenv.reality import Reality, perturb_geometry

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.device import N_MOTORS, Linkage
-from jawenv.device.force_sensor import N_ERRORS, N_OFFSETS
+from jawenv.device.force_sensor import N_ERRORS
 from jawenv.filter.model.basis import N_NODES, Basis, basis_dtype, set_coefficients
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.motion_step import padded
@@ -32,6 +32,9 @@ from jawenv.mechanics.jaw import Jaw
 
 KEPT = 7  # beliefs, each after twice as many readings as the one before
 N_CELLS = 1024  # of poses, see ``readings.lasting``
+FARTHEST = 4.0  # sds that a nuisance may be from its nominal value, drawn or believed
+N_SHAPES = 6  # of the pose, by which a load cell's offset goes with it
+N_OFFSETS = N_SHAPES * N_WRENCH
 
 
 def tension_columns(n_muscles: int, n_nuisances: int = 0) -> int:
@@ -42,6 +45,11 @@ def tension_columns(n_muscles: int, n_nuisances: int = 0) -> int:
 def shared_columns(n_nuisances: int) -> int:
     """Columns of no muscle: gain error and nuisances; without these what the gain error makes of inertia, by itself."""
     return 1 + n_nuisances if n_nuisances else 2
+
+
+def joint_size(n_muscles: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0) -> int:
+    """States of a joint recursion: the motion, each muscle's two, the gain error, and what is integrated out."""
+    return n_states + 2 * n_muscles + 1 + n_nuisances + n_disturbance
 
 
 class Block:

@@ -15,11 +15,10 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.belief.state import FilterSettings
+from jawenv.filter.belief.state import FilterSettings, joint_size
 from jawenv.filter.bound.joint_recursion import (
     JointScratch,
     Recursion,
-    filter_size,
     joint_scratch_dtype,
     predict_covariance,
     recursion_dtype,
@@ -42,11 +41,6 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 
 
-def bound_size(n_muscles: int, n_states: int, n_nuisances: int, n_disturbance: int) -> int:
-    """Number of states of the bound's recursion."""
-    return filter_size(n_muscles, n_states) + n_nuisances + n_disturbance
-
-
 class BoundScratch:
     """One thread's working memory."""
 
@@ -62,7 +56,7 @@ def bound_scratch_dtype(
     n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
 ) -> np.dtype[np.void]:
     """Dtype of ``BoundScratch``."""
-    moving, size = n_states + n_disturbance, bound_size(n_muscles, n_states, n_nuisances, n_disturbance)
+    moving, size = n_states + n_disturbance, joint_size(n_muscles, n_states, n_nuisances, n_disturbance)
     return record_dtype(
         BoundScratch,
         joint=joint_scratch_dtype(n_muscles, n_lines, n_states),

@@ -23,6 +23,7 @@ from typing import Annotated
 
 import numpy as np
 
+from jawenv.filter.belief.state import joint_size
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.model.joint_step import N_NOISE, Sensitivity, copy_matrix
 from jawenv.filter.readings.cell_trend import mean_reading
@@ -31,11 +32,6 @@ from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linear_dtype
 from jawenv.mechanics.jaw import Jaw
-
-
-def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
-    """Number of the filter's states."""
-    return n_states + 2 * n_muscles + 1
 
 
 class Recursion:
@@ -83,7 +79,7 @@ class JointScratch(Recursion, Sensitivity):
 @cache
 def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_STATES) -> np.dtype[np.void]:
     """Dtype of ``JointScratch``."""
-    n_filter = filter_size(n_muscles, n_states)
+    n_filter = joint_size(n_muscles, n_states)
     return record_dtype(
         JointScratch,
         linear=linear_dtype(n_lines, n_states, n_muscles),

@@ -15,16 +15,18 @@ from __future__ import annotations
 
 from functools import cache
 from math import exp
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import roots_hermitenorm
 
-from jawenv.anatomy import Prior
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype, record_zeros
 from jawenv.mechanics.kinematics import contact_point, rotation
+
+if TYPE_CHECKING:
+    from jawenv.anatomy import Prior
 
 # Reference pose of the strains, mid-range: 4 mm of sliding, 8 degrees of opening.
 MIDDLE_POSE = (4e-3, 0.0, 0.13, 0.0, 0.0)

@@ -10,7 +10,7 @@ and is not read is an offset of the reading with the other sign.
 
 from __future__ import annotations
 
-from jawenv.device.force_sensor import N_SHAPES
+from jawenv.filter.belief.state import N_SHAPES
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import cross
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -1,6 +1,8 @@
 """Numbers of a patient and of the device that are known only within sds: one object each, and values of all.
 
-A new one is a field of ``Knowledge`` and an entry of ``UNKNOWNS``. Truth and filter read both.
+A new one is a field of ``Knowledge`` and an entry of ``UNKNOWNS``. Truth and filter read both. A patient who comes
+again has the same attachments, fossa, mass, centre of mass, inertia and damping (``own``). Tilt of the head, place and
+turn of the mouthpiece, offset and axes of the load cell are others.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ from numpy.typing import NDArray
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
 from jawenv.device.device import N_MOTORS
-from jawenv.device.force_sensor import N_OFFSETS, N_SDS, N_SHAPES
+from jawenv.device.force_sensor import N_SDS
+from jawenv.filter.belief.state import FARTHEST, N_OFFSETS, N_SHAPES
 from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
@@ -24,7 +27,6 @@ Values = dict[str, Array]
 """Deviations of all unknowns from their nominal values by name, in sds: standard normal."""
 Change = Callable[[Any, Array, MuscleSet], None]
 
-FARTHEST = 4.0  # sds that a nuisance may be from its nominal value, drawn or believed
 TURN, OFFSET, CELL_TURN, WRENCH = "turn", "offset", "cell_turn", "wrench"
 """Changes of what is read: angles of the mouthpiece, offset of the load cell, angles of its axes, what it misses."""
 WRENCH_UNITS = {0: 1.0, 1: 1.0, 2: 1.0, 3: 0.03, 5: 0.03}
@@ -136,10 +138,10 @@ def draw_unknowns(lines: int, generator: np.random.Generator, known: Knowledge =
     generator.standard_normal(values[MOTORS].shape)  # as before the motors had a stream of their own: patients stay
     for name in late:
         values[name] = _normals(values[name], generator)
-    return with_inertial(values)
+    return _with_inertial(values)
 
 
-def with_inertial(values: Values) -> Values:
+def _with_inertial(values: Values) -> Values:
     """The same with accelerations that show its mass and centre of mass."""
     return values | {AGAIN: np.append(values["mass"], values["centre_of_mass"])}
 
@@ -213,3 +215,14 @@ def offset_of(knowledge: Knowledge, values: Values) -> Array:
     units = np.array(list(WRENCH_UNITS.values()))
     offset[:, list(WRENCH_UNITS)] -= _read(WRENCH, knowledge, values).reshape(N_SHAPES, len(units)) * units
     return offset.reshape(N_OFFSETS)
+
+
+def with_anatomy_of(patient: Values, session: Values) -> Values:
+    """The patient's own values of one, and the session's of another."""
+    return _with_inertial(session | {name: patient[name] for name in OWN})
+
+
+def own_values(values: Values) -> NDArray[np.float64]:
+    """(8 + 6 lines,) the patient's own values that the filter is told of, in prior sds; ends of each line last."""
+    told = [values[unknown.name] for unknown in UNKNOWNS if unknown.own and unknown.told]
+    return np.concatenate([*told, np.hstack([values[name] for name in ENDS]).ravel()])

@@ -12,9 +12,6 @@ from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import policy_folder, policy_names
-from jawenv.playing.policies.controller import ControlledAgent
-from jawenv.playing.policies.following import TargetsLaw
-from jawenv.playing.policies.plain import load_plain
 
 
 def agent_names() -> tuple[str, ...]:
@@ -39,6 +36,8 @@ def named_agent(
         return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
     folder = policy_folder(spec)
     if folder is not None:
+        from jawenv.playing.policies.plain import load_plain
+
         return in_control(load_plain(folder, model_of_env(env_id).env_id), control, control_hz)
     if Path(spec).suffix in SUFFIXES:
         return Player(Maneuver.load(Path(spec)), control=control, control_hz=control_hz)
@@ -53,6 +52,9 @@ def in_control(policy: Agent, control: Control, control_hz: float | None) -> Age
         return policy
     hz = steps_per_s(control, control_hz)
     if not CONTROLS[control].takes_targets:
+        from jawenv.playing.policies.controller import ControlledAgent
+        from jawenv.playing.policies.following import TargetsLaw
+
         return ControlledAgent(policy, TargetsLaw(control, hz, decision_hz))
     if abs(hz - decision_hz) > 1e-6 * hz:
         raise InputError(f"control_hz {hz:g}: {policy.name} decides {decision_hz:g} times a second")

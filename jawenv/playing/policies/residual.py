@@ -106,6 +106,8 @@ class ResidualPolicy(ControlledAgent):
         observation_size: as given.
     """
 
+    is_trained = True
+
     def __init__(self, policy: Agent, base: BaseTargets, path: Path, observation_size: int) -> None:
         super().__init__(policy, base)
         self.base = base

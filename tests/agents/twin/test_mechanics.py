@@ -7,7 +7,8 @@ import torch
 
 import jawenv
 from agents.twin.mechanics import Jaw, force_noise, shaken_information, shaking
-from jawenv.mechanics import acceleration, build_jaw
+from jawenv.mechanics import build_jaw
+from jawenv.mechanics.acceleration import acceleration
 
 POSES = np.array([[4e-3, 1e-3, 0.15, 0.05, -0.06], [-0.2e-3, -2e-3, -0.01, -0.03, 0.1], [12.9e-3, 0.0, 0.4, 0.1, 0.0]])
 STEP = 1e-6

@@ -1,0 +1,128 @@
+"""The answer of ``jawenv identify``: what a file left to be assumed, the patient who fits, and all of it as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+
+from jawenv.analysis.identifiability import in_words
+from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Cohort, Prior, cohort
+from jawenv.anatomy.cohorts import TRUNCATION_SD
+from jawenv.anatomy.knowledge import LEVELS
+from jawenv.base.versions import package_versions
+from jawenv.ladder import MODELS
+from jawenv.metrics.calibration import alarm_word
+from jawenv.metrics.verdicts import WITHHELD, Verdict, verdicts
+from jawenv.recordings import defaults
+from jawenv.recordings.identification import Identification, identified
+from jawenv.recordings.record import Record
+
+UNKNOWN = replace(defaults.UNLABELLED, knowledge="bench")
+"""Patient and device of a file that says nothing of them."""
+IN_WORDS = {"exact": "known exactly", "imaged": "as from a scan", "bench": "as from a scan"}
+
+
+def _alike(one: Prior, other: Prior) -> bool:
+    return len(one.mean) == len(other.mean) and np.allclose([one.mean, one.sd], [other.mean, other.sd], atol=1e-9)
+
+
+def _cohorts(record: Record) -> dict[str, Cohort]:
+    """Every cohort with the record's muscles."""
+    muscles = next(rung.muscles for rung in MODELS.values() if rung.muscles.parameter_names == record.parameter_names)
+    return {name: cohort(name, muscles) for name in COHORTS}
+
+
+def cohort_assumed(record: Record) -> str | None:
+    """Name of the cohort whose prior a record has; None for a prior of its own."""
+    return next((name for name, one in _cohorts(record).items() if _alike(one.prior, record.prior)), None)
+
+
+def assumed_in_words(record: Record) -> str:
+    """Patient, anatomy and head as they were assumed."""
+    name = cohort_assumed(record)
+    if name is None:
+        patient = "a prior of its own"
+    else:
+        one = COHORTS[name]
+        low, high = (np.exp((one.mean + reach * one.sd)[:, ::2]) for reach in (-2.0, 2.0))
+        patient = f"{name} (F_o {low.min():.2g}–{high.max():.2g} N)"
+    level = next((level for level, sds in LEVELS.items() if sds == record.knowledge), None)
+    known = "known within sds" if level is None else IN_WORDS[level]
+    _, tilt = defaults.model_of_geometry(record.jaw) or ("", 0.0)
+    head = "upright" if abs(tilt) < 0.05 else f"pitched down by {tilt:.3g} degrees"
+    return f"patient: {patient} · anatomy: {known} · head {head}"
+
+
+def fitting_cohort(record: Record) -> str | None:
+    """Name of the first cohort under whose prior the recording is to be believed; None where none fits."""
+    names = sorted(COHORTS, key=lambda name: name != defaults.ANYONE)
+    assumed = cohort_assumed(record)
+    others = _cohorts(record)
+    for name in names:
+        if name != assumed and identified(replace(record, prior=others[name].prior)).believable:
+            return name
+    return None
+
+
+def least_known(record: Record, result: Identification) -> dict[str, Any]:
+    """The combination of natural-log parameters with the largest error bar: words, direction (p), sd and prior sd."""
+    values, vectors = np.linalg.eigh(result.estimate.cov[-1])
+    direction = vectors[:, -1]
+    return {
+        "words": in_words(direction, record.parameter_names),
+        "direction": direction.tolist(),
+        "sd": float(np.sqrt(values[-1])),
+        "prior_sd": float(np.linalg.norm(direction * record.prior.sd)),
+    }
+
+
+def at_the_edge(record: Record, result: Identification) -> list[str]:
+    """Names of parameters whose estimate is beyond 2 sds of the prior: a patient whom the cohort hardly has."""
+    beyond = np.abs(result.estimate.mean[-1] - record.prior.mean) > TRUNCATION_SD * record.prior.sd
+    return [name.removeprefix("log_") for name, far in zip(record.parameter_names, beyond, strict=True) if far]
+
+
+def judgements(record: Record, result: Identification) -> list[Verdict]:
+    """The verdict on each muscle of the whole jaw, none where the estimates are not to be believed; else empty."""
+    if record.parameter_names[::2] != tuple(f"log_F_o/{name}" for name in MUSCLE_NAMES):
+        return []
+    if not result.believable:
+        return [WITHHELD] * len(MUSCLE_NAMES)
+    return verdicts(result.estimate.mean[-1], result.estimate.cov[-1], record.prior.sd)
+
+
+def as_mapping(record: Record, result: Identification) -> dict[str, Any]:
+    """What a pipeline reads in place of the printed table, of text, numbers, lists and None alone."""
+    found = zip(MUSCLE_NAMES, judgements(record, result), strict=False)
+    _, tilt = defaults.model_of_geometry(record.jaw) or ("", None)
+    return {
+        "parameter_names": list(record.parameter_names),
+        "log_mean": result.estimate.mean[-1].tolist(),
+        "log_cov": result.estimate.cov[-1].tolist(),
+        "prior_mean": record.prior.mean.tolist(),
+        "prior_sd": record.prior.sd.tolist(),
+        "believed": result.believable,
+        "doubts": result.doubts,
+        "misfit": result.misfit,
+        "alarm": alarm_word(result.misfit),
+        "seconds": float(record.time[-1] - record.time[0]),
+        "rows": result.rows,
+        "refused": result.refused,
+        "least_known": least_known(record, result),
+        "at_the_priors_edge": at_the_edge(record, result),
+        "verdicts": {name: _verdict(verdict) for name, verdict in found},
+        "assumed": {
+            "cohort": cohort_assumed(record),
+            "knowledge": {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0},
+            "head_tilt_deg": tilt,
+            "force_sensor": record.force_sensor,
+        },
+        "versions": package_versions(),
+    }
+
+
+def _verdict(verdict: Verdict) -> dict[str, Any]:
+    """Word and probabilities, None where there are none."""
+    return {name: None if value != value else value for name, value in asdict(verdict).items()}
