@@ -36,8 +36,10 @@ def shown(blocks: Blocks, found: Mixture, temperature: float) -> Shown:
     told = joint.directions.T @ blocks.information.sum(axis=0) @ joint.directions / temperature
     rows = joint.directions[-N_OF_WRENCH:]
     cov = rows @ np.linalg.inv(told + np.eye(len(told))) @ rows.T
-    opening = np.linspace(blocks.poses[:, 2].min(), blocks.poses[:, 2].max(), OPENINGS)
-    slide = np.polyval(np.polyfit(blocks.poses[:, 2], blocks.poses[:, 0], 1), opening)
+    pitch, x = blocks.poses[:, 2], blocks.poses[:, 0]
+    opening = np.linspace(pitch.min(), pitch.max(), OPENINGS)
+    by_opening = (pitch - pitch.mean()) @ x / max(np.sum(np.square(pitch - pitch.mean())), 1e-12)
+    slide = x.mean() + by_opening * (opening - pitch.mean())
     wide, zero = opening / 0.2, np.zeros(OPENINGS)
     shapes = np.stack([zero + 1.0, wide, wide**2, slide / 5e-3, zero, zero], axis=1)  # as ``filter.nuisances.turned``
     force, sd = np.empty((OPENINGS, 3)), np.empty((OPENINGS, 3))

@@ -147,6 +147,15 @@ def test_a_short_record_and_one_of_two_condyles_teach_no_size():
     assert learnt(two, two.prior.mean) is None
 
 
+def test_a_jaw_that_is_held_still_teaches_no_size():
+    kwargs = {"record": True, "episode_s": 8.0, "control": "targets"}
+    still = jawenv.play(jawenv.Player("hold_still"), patients=1, seed=5, env_kwargs=kwargs)
+    found = learnt(still.records[0], last(still)[0][0])
+    np.testing.assert_allclose(found.mean, PRIOR.mean, atol=0.3)
+    np.testing.assert_allclose(np.sqrt(np.diagonal(found.cov)), PRIOR.sd, rtol=0.1)
+    assert found.temperature == 1.0 and np.isfinite(found.shown.force).all()
+
+
 def test_blocks_begin_within_the_prior_wherever_the_filter_is():
     record = played().records[0]
     blocks = blocks_of(record, record.prior.mean + 50.0)
