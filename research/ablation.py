@@ -35,7 +35,7 @@ SCAN = "jawenv/JawImaged-v3"
 STIFF_SERVO = {"servo_stiffness_N_m": 2500.0, "servo_damping_N_s_m": 15.0}
 
 
-class Variant(NamedTuple):
+class _Variant(NamedTuple):
     """A filter or device without one mechanism: other constants or kernels of modules, other fields of the device."""
 
     what: str
@@ -43,7 +43,7 @@ class Variant(NamedTuple):
     device: dict[str, float] = {}
 
 
-class Scenario(NamedTuple):
+class _Scenario(NamedTuple):
     """An agent on a cohort."""
 
     agent: str
@@ -112,7 +112,7 @@ def _ticks_of_a_visit(jaw, belief, settings):
     return 0.0 if settings.whole > 0.0 else stay_of(jaw, belief, settings.dt)
 
 
-class Biting:
+class _Biting:
     """Motors that press the jaw forwards onto its teeth by a constant command."""
 
     name = "biting"
@@ -126,7 +126,7 @@ class Biting:
         return np.tile(np.array([-1.0, -1.0, 1.0, 1.0], np.float32), (*np.shape(observation)[:-1], 1)), None
 
 
-class Corners(Biting):
+class _Corners(_Biting):
     """Motors held at a corner of their range, each world at the next of the 16."""
 
     name = "corners"
@@ -138,84 +138,84 @@ class Corners(Biting):
         return (1.0 - 2.0 * (world >> np.arange(4) & 1)).astype(np.float32), None
 
 
-HELD = {agent.name: agent for agent in (Biting, Corners)}
+HELD = {agent.name: agent for agent in (_Biting, _Corners)}
 ROWS = (
-    Variant("the filter as it is"),
-    Variant("no gate", {"updates.measurement_update.GATE": math.inf}),
-    Variant("nothing refused is taken", {"updates.measurement_update.WIDE": math.inf}),
-    Variant("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
-    Variant("windows up to 80 readings alone", {"tick.LAST_WINDOW": 80}),
-    Variant("surprises do not renew the belief", {"tick.SURPRISING": 99}),
-    Variant("every window filtered again", {"tick.MOVED": 0.0}),
-    Variant("nodes do not follow the belief", {"belief.refocus.SHRINKS": 0.0, "belief.refocus.STRAYS": math.inf}),
-    Variant("belief linearised at its mean alone", {"belief.posterior.NEGLIGIBLE": math.inf}),
-    Variant("series of the second order", {"model.motion_step.ORDER": 2}),
-    Variant(
+    _Variant("the filter as it is"),
+    _Variant("no gate", {"updates.measurement_update.GATE": math.inf}),
+    _Variant("nothing refused is taken", {"updates.measurement_update.WIDE": math.inf}),
+    _Variant("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
+    _Variant("windows up to 80 readings alone", {"tick.LAST_WINDOW": 80}),
+    _Variant("surprises do not renew the belief", {"tick.SURPRISING": 99}),
+    _Variant("every window filtered again", {"tick.MOVED": 0.0}),
+    _Variant("nodes do not follow the belief", {"belief.refocus.SHRINKS": 0.0, "belief.refocus.STRAYS": math.inf}),
+    _Variant("belief linearised at its mean alone", {"belief.posterior.NEGLIGIBLE": math.inf}),
+    _Variant("series of the second order", {"model.motion_step.ORDER": 2}),
+    _Variant(
         "Jacobian and rows along the tick's own motion",
         {"updates.time_update.move": _deriving, "updates.measurement_update.set_rows_of_past": _rows_of_the_motion},
     ),
-    Variant("predicted from the first reading on", {"updates.instrument.FIRST_READINGS": 0}),
-    Variant("muscle lines at constant rates", {"updates.time_update.middle_of": _at_constant_rates}),
-    Variant("teeth whose force is certain", {"readings.teeth.TOOTH_NOISE": (0.0,) * 6}),
-    Variant("learning while teeth press", {"tick.NEAR": -math.inf}),
-    Variant("teeth as believed alone, and not as read", {"readings.teeth.COARSEST": 0.0}),
-    Variant("nothing wrong at a pose", {"settings.LASTING": 0.0}),
-    Variant("the gain's column as the cell reads", {"updates.time_update.set_balanced_trend": as_read}),
-    Variant("the gain error without inertia", {"updates.time_update.set_inertia_column": _without_inertia}),
-    Variant("the point follows the belief", {"learn.conclude": learn}),
-    Variant("motors of 50 N/s", device={"slew_N_s": 50.0}),
-    Variant("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
-    Variant("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
+    _Variant("predicted from the first reading on", {"updates.instrument.FIRST_READINGS": 0}),
+    _Variant("muscle lines at constant rates", {"updates.time_update.middle_of": _at_constant_rates}),
+    _Variant("teeth whose force is certain", {"readings.teeth.TOOTH_NOISE": (0.0,) * 6}),
+    _Variant("learning while teeth press", {"tick.NEAR": -math.inf}),
+    _Variant("teeth as believed alone, and not as read", {"readings.teeth.COARSEST": 0.0}),
+    _Variant("nothing wrong at a pose", {"settings.LASTING": 0.0}),
+    _Variant("the gain's column as the cell reads", {"updates.time_update.set_balanced_trend": as_read}),
+    _Variant("the gain error without inertia", {"updates.time_update.set_inertia_column": _without_inertia}),
+    _Variant("the point follows the belief", {"learn.conclude": learn}),
+    _Variant("motors of 50 N/s", device={"slew_N_s": 50.0}),
+    _Variant("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
+    _Variant("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
 )
 BODY_ROWS = (
-    Variant("the filter as it is"),
-    Variant("learning from ticks that are not resolved", {"readings.screening.ROUGH": 1e9}),
-    Variant(
+    _Variant("the filter as it is"),
+    _Variant("learning from ticks that are not resolved", {"readings.screening.ROUGH": 1e9}),
+    _Variant(
         "no impulse on the discs", {"updates.time_update.MISSED_CHANGE": 0.0, "updates.time_update.MISSED_NOISE": 0.0}
     ),
-    Variant("ten ticks in place of five until something is learnt", {"tick.SETTLING_TICKS": 10}),
-    Variant("no tick until something is learnt", {"tick.SETTLING_TICKS": 0}),
+    _Variant("ten ticks in place of five until something is learnt", {"tick.SETTLING_TICKS": 10}),
+    _Variant("no tick until something is learnt", {"tick.SETTLING_TICKS": 0}),
 )
 CELLS = (
-    Scenario("open_and_hold", "targets", "severe"),
-    Scenario("opening_with_swings_and_fore_aft", "force"),
-    Scenario("random", "force"),
-    Scenario("open_and_hold", "force"),
-    Scenario("opening_with_swings_and_fore_aft", "trajectory"),
-    Scenario("ou_slow", "trajectory"),
-    Scenario("ou_strong", "force", "wide"),
-    Scenario("slow_opening", "force", "wide"),
-    Scenario("random", "targets", "one_sided"),
-    Scenario("biting", "force"),
-    Scenario("biting", "trajectory"),
+    _Scenario("open_and_hold", "targets", "severe"),
+    _Scenario("opening_with_swings_and_fore_aft", "force"),
+    _Scenario("random", "force"),
+    _Scenario("open_and_hold", "force"),
+    _Scenario("opening_with_swings_and_fore_aft", "trajectory"),
+    _Scenario("ou_slow", "trajectory"),
+    _Scenario("ou_strong", "force", "wide"),
+    _Scenario("slow_opening", "force", "wide"),
+    _Scenario("random", "targets", "one_sided"),
+    _Scenario("biting", "force"),
+    _Scenario("biting", "trajectory"),
 )
 BODY = "jawenv/JawBilateral-v3"
 BODY_CELLS = (
-    Scenario("corners", "force", env_id=BODY),
-    Scenario("corners", "trajectory", "wide", BODY),
-    Scenario("hold_still", "targets", env_id=BODY),
-    Scenario("slow_opening", "targets", env_id=BODY),
-    Scenario("refined", "targets", env_id=BODY),
+    _Scenario("corners", "force", env_id=BODY),
+    _Scenario("corners", "trajectory", "wide", BODY),
+    _Scenario("hold_still", "targets", env_id=BODY),
+    _Scenario("slow_opening", "targets", env_id=BODY),
+    _Scenario("refined", "targets", env_id=BODY),
 )
 LASTING_ROWS = (
-    Variant("the filter as it is"),
-    Variant("each visit of a pose by itself", {"readings.lasting.count_ticks": _ticks_of_a_visit}),
-    Variant("every reading counts whole", {"tick.weight_of_stay": whole}),
+    _Variant("the filter as it is"),
+    _Variant("each visit of a pose by itself", {"readings.lasting.count_ticks": _ticks_of_a_visit}),
+    _Variant("every reading counts whole", {"tick.weight_of_stay": whole}),
 )
 HALF, SECOND = {"unmodelled_time_s": 0.5}, {"unmodelled_time_s": 1.0}
 LASTING_CELLS = (
-    Scenario("examples/one_channel.yaml", "targets", env_id=SCAN, seconds=60.0),
-    Scenario("slow_opening", "targets", env_id=SCAN, seconds=120.0),
-    Scenario("refined", "targets", env_id=SCAN),
-    Scenario("slow_opening", "targets", "severe", device=SECOND),
-    Scenario("open_and_hold", "targets", seconds=120.0, device=HALF),
-    Scenario("refined", "targets", device=HALF),
-    Scenario("open_and_hold", "targets", seconds=300.0),
+    _Scenario("examples/one_channel.yaml", "targets", env_id=SCAN, seconds=60.0),
+    _Scenario("slow_opening", "targets", env_id=SCAN, seconds=120.0),
+    _Scenario("refined", "targets", env_id=SCAN),
+    _Scenario("slow_opening", "targets", "severe", device=SECOND),
+    _Scenario("open_and_hold", "targets", seconds=120.0, device=HALF),
+    _Scenario("refined", "targets", device=HALF),
+    _Scenario("open_and_hold", "targets", seconds=300.0),
 )
 TABLES = {"point": (ROWS, CELLS), "discs": (BODY_ROWS, BODY_CELLS), "lasting": (LASTING_ROWS, LASTING_CELLS)}
 
 
-def measure(row: Variant, cells: tuple[Scenario, ...], patients: int, seed: int) -> list[list[float]]:
+def measure(row: _Variant, cells: tuple[_Scenario, ...], patients: int, seed: int) -> list[list[float]]:
     """NEES over the number of parameters of every patient at the end, for each cell."""
     for constant, value in row.constants.items():
         module, _, name = constant.rpartition(".")

@@ -48,7 +48,7 @@ HEAD = ("entry", "seeds", *DIGITS, "training, steps", "a decision, ms")
 
 
 @dataclass(frozen=True)
-class Contestant:
+class _Contestant:
     """One row; see ``NOTE``."""
 
     name: str  # label of the entry, or the common beginning of those of its seeds
@@ -57,7 +57,7 @@ class Contestant:
     about: Mapping[str, Any]  # metadata of the entry, of several seeds that of the first
 
 
-def contestants(study: Results, admission: AdmissionLimits | None = None) -> tuple[Contestant, ...]:
+def contestants(study: Results, admission: AdmissionLimits | None = None) -> tuple[_Contestant, ...]:
     """Every entry but replays, seeds of one training together, the best first.
 
     Args:
@@ -97,7 +97,7 @@ def markdown(studies: Mapping[str, Results], cost_of: Callable[..., Cost] = cost
 
 def _row(
     study: Results, name: str, group: Sequence[str], scale: tuple[str, str], admission: AdmissionLimits
-) -> Contestant:
+) -> _Contestant:
     best, end = scale
 
     def less(column: str, others: Sequence[str]) -> Array:
@@ -114,7 +114,7 @@ def _row(
     of_each = [figure.scale * np.array([figure.of(study.of(label)) for label in group]) for figure in own]
     about = next(entry for entry in study.about["entries"] if entry["label"] == group[0])
     closed = words.scaled(statistics.ratio_over_both(worst, whole), 100.0)
-    return Contestant(
+    return _Contestant(
         name,
         len(group),
         (_over(worst), closed, _over(error), *against, *map(_over, of_each)),
@@ -122,7 +122,7 @@ def _row(
     )
 
 
-def _written(row: Contestant, cost: Cost) -> list[str]:
+def _written(row: _Contestant, cost: Cost) -> list[str]:
     figures = list(map(words.with_interval, row.figures, DIGITS.values()))
     steps = words.NOTHING if math.isnan(cost.trained_steps) else f"{cost.trained_steps:,.0f}"
     return [words.label(row.name), str(row.seeds), *figures, steps, words.number(cost.decision_ms, 2)]

@@ -51,7 +51,8 @@ def _draw_poses(axes: Any, learnt: Learnt) -> None:
     order = np.argsort(shown.pose_opening)
     axes.bar(np.arange(len(order)), shown.disagreement[order], color=_BAR)
     axes.axhline(1.0, color=_LINE, lw=1.0)
-    axes.set_xticks(np.arange(len(order)), [f"{opening:.0f}" for opening in np.degrees(shown.pose_opening[order])])
+    openings = np.round(np.degrees(shown.pose_opening[order])) + 0.0  # no minus before a zero
+    axes.set_xticks(np.arange(len(order)), [f"{opening:.0f}" for opening in openings])
     axes.set(xlabel="left-out pose, opening, °", ylabel="disagreement")
     if np.any(shown.disagreement > 10.0):
         axes.set_yscale("log")

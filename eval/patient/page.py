@@ -48,7 +48,7 @@ LOCATIONS = {
 
 
 @dataclass(frozen=True)
-class CardQuantity:
+class _CardQuantity:
     """An estimate with its 95 % interval and its change, as words; and over time, as a picture."""
 
     value: str
@@ -69,8 +69,8 @@ class _Card:
     chance: str  # the probability in words
     before: str  # what the prior gave it, in words
     since: str  # start of the present verdict; empty where nothing is known
-    force: CardQuantity  # F_o
-    stiffening: CardQuantity  # b
+    force: _CardQuantity  # F_o
+    stiffening: _CardQuantity  # b
     doubling: str  # stretch that doubles the pull, %
     truth: str  # the true condition, where it is shown
 
@@ -230,10 +230,10 @@ def _quantity(
     label: str,
     unit: str,
     show_truth: bool,
-) -> CardQuantity:
+) -> _CardQuantity:
     mean, sd = float(course[-1].mean[-1, parameter]), math.sqrt(course[-1].cov[-1, parameter, parameter])
     low, high = (_significant(math.exp(mean + factor * sd)) for factor in (-SD_95, SD_95))
-    return CardQuantity(
+    return _CardQuantity(
         value=f"{_significant(math.exp(mean))} {unit}".strip(),
         interval=f"{low} to {high}",
         change="" if changed is None else change_in_words(*changed.of(parameter)),

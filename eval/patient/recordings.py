@@ -14,11 +14,12 @@ from eval.patient.courses import MOMENTS
 from eval.patient.treatments import Treatment
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.base.errors import InputError
+from jawenv.metrics import alarm_word
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
 
 
-def write_page(record: Record, result: Identification, recording: Path, target: Path) -> Path:
+def write_page(record: Record, result: Identification, recording: Path, target: Path, assumed: str) -> Path:
     """Write the page; without a verdict where the estimates are not to be believed.
 
     Args:
@@ -26,6 +27,7 @@ def write_page(record: Record, result: Identification, recording: Path, target: 
         result: its identification.
         recording: its file.
         target: the page's file.
+        assumed: what was assumed of patient, anatomy and head, in words.
 
     Returns:
         The page's file.
@@ -44,7 +46,8 @@ def write_page(record: Record, result: Identification, recording: Path, target: 
     ).thinned(MOMENTS)
     subject = page.Subject(
         who=f"Recording “{recording.stem}”",
-        account=f"{record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz, {result.rows:,} rows, {result.refused:,} refused",
+        account=f"{record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz, {result.rows:,} rows, {result.refused:,} refused; "
+        f"alarm: {alarm_word(result.misfit)}. Assumed: {assumed}",
         notice="Research, not a medical device." + (" The patient is simulated." if simulated else ""),
         prior=record.prior,
         believed=None if result.learnt is None else (believed.figure(result.learnt), believed.in_words(result.learnt)),

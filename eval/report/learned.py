@@ -25,7 +25,7 @@ _MIDDLE = (5, 95)
 
 
 @dataclass(frozen=True)
-class TargetShift:
+class _TargetShift:
     """Middle 90 % of one target before and after, as fractions of the comfortable excursion."""
 
     target: str
@@ -42,7 +42,7 @@ class Learned:
     steps: int  # environment steps of the training
     early: Interval  # mean difference of the natural log of the worst sd after ``EARLY_S``; below 0 the entry is better
     end: Interval  # the same at the end
-    changes: tuple[TargetShift, ...]
+    changes: tuple[_TargetShift, ...]
     """Of its targets, on the patient with a kept motion; none where the device follows no targets."""
 
     @property
@@ -95,7 +95,7 @@ def _corrected(folder: Path) -> tuple[str, int] | None:
 
 def _changes(
     before: dict[str, Any] | None, after: dict[str, Any] | None, metadata: dict[str, Any]
-) -> tuple[TargetShift, ...]:
+) -> tuple[_TargetShift, ...]:
     from jawenv.playing.maneuvers.maneuver import goals_of
 
     if not before or not after or not takes_targets(metadata["settings"]["control"]):
@@ -105,7 +105,7 @@ def _changes(
     ]
     first, then = (np.round(ends, 2).T.tolist() for ends in ranges)
     return tuple(
-        TargetShift(name, (one[0], one[1]), (two[0], two[1]))
+        _TargetShift(name, (one[0], one[1]), (two[0], two[1]))
         for name, one, two in zip(after["commands"], first, then, strict=True)
     )
 

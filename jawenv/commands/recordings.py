@@ -71,7 +71,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
         print(f"at the edge of what was assumed: {', '.join(edge)}")
     _print_muscles(record, result)
     if write_page is not None:
-        print(f"\npage: {write_page(record, result, path, page)}")
+        print(f"\npage: {write_page(record, result, path, page, assumed_in_words(record))}")
     if answer is not None:
         write_text(answer, json.dumps(as_mapping(record, result), indent=1) + "\n")
         print(f"\nanswer: {answer}")

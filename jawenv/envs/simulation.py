@@ -26,21 +26,21 @@ from jawenv.envs.world.layout import OBSERVATION_BOUND, observation_size
 from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
-from jawenv.envs.world.unknown_truth import Streams, draw_truth
-from jawenv.filter.nuisances.unknowns import MOTORS, Values, along
 from jawenv.filter.settings import Geometry, fill_settings, noise_of, start_sd, used_readings, wrench_variances
 from jawenv.filter.tick import LAST_WINDOW, tick_dtype
-from jawenv.kernels.noise import philox
+from jawenv.kernels.noise import Streams, philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.building import build_jaw, gravity_in_head
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+from jawenv.reality import perturb_geometry
 
 if TYPE_CHECKING:
     from jawenv.envs.fork import Fork
     from jawenv.envs.moved_plants import MovedJaw, MovedPlants
     from jawenv.envs.own_estimators import OwnEstimators
+    from jawenv.filter.nuisances.unknowns import Values
     from jawenv.mechanics.plant import Plant
 
 REDRAWS = 200
@@ -293,10 +293,20 @@ class Simulation:
         self.models["condyles"][index] = self._known_condyles
         truth = self.worlds["truth"][index]
         truth["jaw"], truth["log_parameters"] = self._jaw, log_parameters
-        values = draw_truth(truth, self.knowledge, self.reality, self.cohort.muscles, streams, anatomy_seed)
-        truth["nuisances"] = [along(values, sds) for sds in self._sds]
         truth["no_cell"], truth["slack_below"] = self._motor_sds is not None, self._slack_below
         truth["friction_share"] = truth["motor_rate"] = 0.0  # at rest
+        if self.knowledge.exact and self.reality.untold().exact and self._motor_sds is None:
+            perturb_geometry(self.reality, self.cohort.muscles, truth["jaw"], streams.geometry)
+        else:
+            self._draw_unknowns(truth, streams, anatomy_seed)
+
+    def _draw_unknowns(self, truth: Any, streams: Streams, anatomy_seed: int | None) -> None:
+        """Draw what is not known exactly into a world's truth."""
+        from jawenv.envs.world.unknown_truth import draw_truth
+        from jawenv.filter.nuisances.unknowns import MOTORS, along
+
+        values = draw_truth(truth, self.knowledge, self.reality, self.cohort.muscles, streams, anatomy_seed)
+        truth["nuisances"] = [along(values, sds) for sds in self._sds]
         if self._motor_sds is not None:
             truth["motor_errors"] = motor_errors(self._motor_sds, values[MOTORS], self.device[0])
 

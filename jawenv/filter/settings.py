@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,6 @@ from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
-from jawenv.filter.nuisances.unknowns import Values
 from jawenv.filter.readings import least_noise
 from jawenv.filter.readings.screening import rough_change
 from jawenv.filter.tick import set_prior
@@ -38,6 +37,9 @@ def start_sd(jaw: Any, condyles: int) -> NDArray[np.float64]:
     sds: NDArray[np.float64] = free * np.repeat([PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], sizes)
     return sds
 
+
+if TYPE_CHECKING:
+    from jawenv.filter.nuisances.unknowns import Values
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,10 @@ as ``numpy.random.Philox``; normals by Box and Muller (1958).
 from __future__ import annotations
 
 from math import cos, log, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.kernels.compiled import njit
 
@@ -66,3 +68,18 @@ def fill_normals(key, tick, normals):
         a, b, c, d = philox(key, (np.uint64(tick), np.uint64(block), zero, zero))
         normals[4 * block], normals[4 * block + 1] = _normal_pair(a, b)
         normals[4 * block + 2], normals[4 * block + 3] = _normal_pair(c, d)
+
+
+class Streams(NamedTuple):
+    """Random numbers of an episode's beginning: what one draws moves no other, so that comparisons are paired."""
+
+    patient: np.random.Generator
+    geometry: np.random.Generator
+    untold: np.random.Generator
+    motors: np.random.Generator
+
+    @classmethod
+    def of(cls, key: NDArray[np.uint64]) -> Streams:
+        """Those of an episode; streams of different numbers share none."""
+        counters = [np.array([0, 0, 0, number], dtype=np.uint64) for number in range(4)]
+        return cls(*(np.random.Generator(np.random.Philox(key=key, counter=counter)) for counter in counters))

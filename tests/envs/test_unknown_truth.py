@@ -6,7 +6,8 @@ import pytest
 from jawenv.anatomy import known_muscle_sets
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.envs.world.record import truth_dtype
-from jawenv.envs.world.unknown_truth import Streams, draw_truth
+from jawenv.envs.world.unknown_truth import draw_truth
+from jawenv.kernels.noise import Streams
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics import build_jaw
 from jawenv.reality import Reality

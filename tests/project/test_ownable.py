@@ -18,14 +18,14 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines of the trunk": 27_546,
+    "lines of the trunk": 27_560,
     "lines of a leaf": 2_810,
     "doors of a leaf": 2,
     "longest chain of imports": 34,
-    "public top-level names": 1_578,
-    "modules that a step loads": 117,
-    "lines that a step loads": 13_840,
-    "lines that eval compare loads": 24_420,
+    "public top-level names": 1_577,
+    "modules that a step loads": 116,
+    "lines that a step loads": 13_665,
+    "lines that eval compare loads": 24_272,
 }
 
 
@@ -85,6 +85,7 @@ LEAVES = {
         ("jawenv/recordings/untold_*",),
         ("jawenv/recordings/identification.py", "jawenv/metrics/score.py"),
         ("tests/recordings",),
+        ("patient's page",),
     ),
     "patient's page": Leaf(
         ("eval/patient/*", "eval/commands/patient.py"), (EVAL, "jawenv/commands/recordings.py"), ("tests/eval/patient",)

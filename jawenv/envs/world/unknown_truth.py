@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
@@ -20,22 +19,8 @@ from jawenv.filter.nuisances.unknowns import (
     with_anatomy_of,
     with_motors,
 )
+from jawenv.kernels.noise import Streams
 from jawenv.reality import Reality, perturb_geometry
-
-
-class Streams(NamedTuple):
-    """Random numbers of an episode's beginning: what one draws moves no other, so that comparisons are paired."""
-
-    patient: np.random.Generator
-    geometry: np.random.Generator
-    untold: np.random.Generator
-    motors: np.random.Generator
-
-    @classmethod
-    def of(cls, key: NDArray[np.uint64]) -> Streams:
-        """Those of an episode; streams of different numbers share none."""
-        counters = [np.array([0, 0, 0, number], dtype=np.uint64) for number in range(4)]
-        return cls(*(np.random.Generator(np.random.Philox(key=key, counter=counter)) for counter in counters))
 
 
 def draw_truth(
