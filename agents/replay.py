@@ -163,7 +163,7 @@ def replays_of(
 
 
 def targets_of(actions: Array, period: float) -> Array:
-    """Where the targets are at the end of each step, as fast as the device lets them.
+    """Targets at the end of each step, moved as fast as the device lets them.
 
     Args:
         actions: (N, T, 4) of targets control, in [-1, 1].

@@ -144,7 +144,7 @@ class NativeVecEnv(VecEnv):
             self._early_sd[early] = sd[early].max(axis=1)
 
     def _checked(self, reward: np.ndarray) -> np.ndarray:
-        """Rewards (N,) in single precision; one that is not finite would silently ruin the whole network."""
+        """Rewards (N,) in single precision, all finite: any other number would silently ruin the whole network."""
         with np.errstate(over="ignore"):
             single = np.asarray(reward, dtype=np.float32)
         if not np.isfinite(single).all():

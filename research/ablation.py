@@ -68,18 +68,18 @@ class _Scenario(NamedTuple):
 
 @njit
 def _deriving(jaw, motion, samples, dt, derive, scratch):
-    """In place of ``move``: the Jacobian along the motion that this tick's reading has moved."""
+    """Stand in for ``move``: the Jacobian along the motion that this tick's reading has moved."""
     move(jaw, motion, samples, dt, True, scratch)
 
 
 @njit
 def _rows_of_the_motion(jaw, belief, used, scratch):
-    """In place of ``set_rows_of_past``: the rows at that motion."""
+    """Stand in for ``set_rows_of_past``: the rows at that motion."""
 
 
 @njit
 def _at_constant_rates(jaw, before, after):
-    """In place of ``middle_of``: muscle lines where the tick's first rates lead by half way."""
+    """Stand in for ``middle_of``: muscle lines where the tick's first rates lead by half way."""
     half, share = before.shape[0] // 2, 0.5 * TICK
     first = half - 3  # of the angles
     pose = (before[0], before[1], before[first], before[first + 1], before[first + 2])
@@ -91,24 +91,24 @@ def _at_constant_rates(jaw, before, after):
 
 @njit
 def as_read(jaw, belief, pose, scratch):
-    """In place of ``set_balanced_trend``: the load cell's trend as it is."""
+    """Stand in for ``set_balanced_trend``: the load cell's trend as it is."""
     scratch.trend[:] = belief.trend
 
 
 @njit
 def _without_inertia(jaw, belief, pose, dt, scratch):
-    """In place of ``set_inertia_column``."""
+    """Stand in for ``set_inertia_column`` and do nothing."""
 
 
 @njit
 def whole(jaw, belief, settings):
-    """In place of ``weight_of_stay``: every reading counts whole."""
+    """Stand in for ``weight_of_stay``: every reading counts whole."""
     return 1.0
 
 
 @njit
 def _ticks_of_a_visit(jaw, belief, settings):
-    """In place of ``count_ticks``: earlier visits are forgotten."""
+    """Stand in for ``count_ticks``: earlier visits are forgotten."""
     return 0.0 if settings.whole > 0.0 else stay_of(jaw, belief, settings.dt)
 
 

@@ -41,7 +41,7 @@ def episode(simulation, device: torch.device, policy: torch.nn.Module | None) ->
 
 
 def seconds(play: Callable[[], None], device: torch.device, rounds: int = 3) -> float:
-    """Of the quickest of some, after one that is not timed."""
+    """Seconds of the quickest of ``rounds`` plays, after an untimed one."""
     times = []
     for _ in range(rounds + 1):
         begin = time.perf_counter()

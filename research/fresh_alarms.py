@@ -1,4 +1,4 @@
-"""How often the check of fresh patients takes honest agents for made for the public ones (`eval.benchmark.fresh`).
+"""Share of honest agents that the check of fresh patients (`eval.benchmark.fresh`) takes for fitted to public ones.
 
 Shipped agents and the maneuver play patients of reports in a task's world. These are shuffled, many times: the first
 100 stand for public ones and the next for fresh ones, which no agent can tell apart. With --better 0.3 times on the
@@ -29,7 +29,7 @@ PUBLIC = 100
 
 
 def _share_accused(ratios, number, shuffles, better, random):
-    """Of shuffles whose chance is below the level."""
+    """Share of shuffles whose chance is below the level."""
     accused = 0
     for _ in range(shuffles):
         order = random.permutation(ratios)

@@ -1,4 +1,4 @@
-"""How honest the filter is where ``eval calibrate`` does not look: one table in Markdown, chosen by its name.
+"""Honesty of the filter where ``eval calibrate`` does not look: one table in Markdown, chosen by its name.
 
     python -m research.honesty corners --patients 64 --seed 20000
     python -m research.honesty all > docs/tables/honesty.md
@@ -210,7 +210,7 @@ def change(arguments):
 
 
 def effects(arguments):
-    """What the filter is not told, with a scan's anatomy: ``refined`` of 10 s, and the change to a second treatment."""
+    """Print the harm of untold effects, with a scan's anatomy: ``refined`` of 10 s, change to a second treatment."""
     settings = Settings.of(1, arguments.seed, episode_s=10.0, knowledge=_sds("imaged"))
     (entry,) = load_entries([RICH], settings.world)
     truths = {title: {"reality": values} for title, values in read("robustness")[1].reality.items()}

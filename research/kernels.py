@@ -150,7 +150,7 @@ def _called_by_python(cache: Path) -> list[Path]:
 
 
 def _parts(file: Path) -> tuple[Any, ...]:
-    """What Numba keeps of a kernel: code, description, environment, signature and more."""
+    """Parts that Numba keeps of a kernel: code, description, environment, signature and more."""
     parts: tuple[Any, ...] = pickle.loads(file.read_bytes()[CHECKSUM_BYTES:])
     return parts
 

@@ -1,4 +1,4 @@
-"""What the filter's linearisation costs: NEES beside that of the same filter linearised at the truth throughout.
+"""Cost of the filter's linearisation: NEES beside that of the same filter linearised at the truth throughout.
 
     python -m research.linearised random --env JawImaged --seconds 120 --patients 16 --seed 371000
 
@@ -35,19 +35,19 @@ EVERY = 20  # ticks from one belief to the next
 
 @njit
 def stay(belief: Belief, settings: FilterSettings, scratch):
-    """In place of ``recentre``: the point stays, and the belief's steps from it are known."""
+    """Stand in for ``recentre``: the point stays, and the belief's steps from it are known."""
     learning.set_steps(belief, scratch)
     belief.steps[:] = scratch.row
 
 
 @njit
 def _keep_nodes(belief: Belief, scratch):
-    """In place of ``refocus``."""
+    """Stand in for ``refocus`` and do nothing."""
 
 
 @njit
 def never(belief: Belief):
-    """In place of ``has_moved``: readings are not filtered again."""
+    """Stand in for ``has_moved``: readings are not filtered again."""
     return False
 
 
@@ -66,7 +66,7 @@ def _set_point(belief: Belief, settings: FilterSettings, theta, nuisances, row):
 
 
 def records(arguments: argparse.Namespace) -> tuple[list[Any], Any]:
-    """What the patients' devices read in an episode, and the worlds with the truth."""
+    """Records of what the patients' devices read in an episode, and the truth of the worlds."""
     envs: Any = gym.make_vec(
         f"jawenv/{arguments.env}-v3",
         arguments.patients,

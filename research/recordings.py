@@ -1,4 +1,4 @@
-"""How often an honest recording is called unbelievable, and how often one that was spoilt as people spoil files.
+"""Share of honest recordings that are called unbelievable, and of recordings spoilt as people spoil files.
 
     python -m research.recordings                                        # judged on seeds 20000 and on
     python -m research.recordings --tuning --output runs/recordings.md   # on seeds 5000 and on, for the thresholds
@@ -118,7 +118,7 @@ def rows(seeds: range, number: int, spoilt_number: int, episode_s: float) -> dic
 
 
 def table(results: dict[str, list[tuple[float, ...]]]) -> str:
-    """As Markdown: medians, and the largest in brackets."""
+    """Markdown table of medians, with the largest in brackets."""
     lines = [
         "| recording | unbelievable | misfit, median (largest) | rows refused | numbers left out | error, sds |",
         "|---|--:|--:|--:|--:|--:|",

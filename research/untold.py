@@ -1,4 +1,4 @@
-"""What error bars are worth where nobody told the filter of an error: at the end of a recording, as it is and learnt.
+"""Worth of error bars where nobody told the filter of an error: at the end of a recording, as it is and learnt.
 
     python -m research.untold --patients 48 --seed 388000 > docs/tables/untold.md
 

@@ -1,4 +1,4 @@
-"""What a twin is made of: the constants of an environment, and patients with their limits of comfort."""
+"""Parts of a twin: the constants of an environment, and patients with their limits of comfort."""
 
 from __future__ import annotations
 
@@ -66,11 +66,11 @@ class Patients:
 
     @classmethod
     def names(cls) -> list[str]:
-        """Of the tensors beside the jaw's."""
+        """Names of the tensors beside the jaw's."""
         return [field.name for field in fields(cls)[1:]]
 
     def tensors(self) -> dict[str, Tensor]:
-        """By name."""
+        """The tensors beside the jaw's, by name."""
         return {name: getattr(self, name) for name in self.names()}
 
     def __len__(self) -> int:
@@ -123,6 +123,6 @@ class Twin:
             self.disturbance_variance = torch.tensor(noise["disturbance_variance"] / (1.0 - decay**2))
 
     def gain(self, rate: float) -> float:
-        """Of an error, 1/s, in steps of ``dt``: it falls as by the ``rate`` (1/s) of a law that acts every 50 ms."""
+        """Gain of an error, 1/s, in steps of ``dt``: it falls as by the ``rate`` (1/s) of a law every 50 ms."""
         short: float = LAW_TICKS * TICK
         return float(1.0 - (1.0 - rate * short) ** (self.dt / short)) / self.dt

@@ -51,7 +51,7 @@ class Forces(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Where the mandible is."""
+    """Place of the mandible."""
 
     q: Tensor  # (..., 5)
     contact: Tensor  # (..., 3) midpoint of the condyles, head axes
@@ -70,7 +70,7 @@ class Pose(NamedTuple):
 
 
 class Passive(NamedTuple):
-    """What the jaw carries without the device."""
+    """Loads that the jaw carries without the device."""
 
     forces: Forces  # of muscles, teeth, weight and capsule
     tension: Tensor  # (..., 6) passive tensions, N
@@ -136,7 +136,7 @@ class Jaw:
 
     @classmethod
     def of(cls, record: Any) -> Jaw:
-        """From a record or records (...) of dtype ``jaw_dtype``."""
+        """The jaw of a record or records (...) of dtype ``jaw_dtype``."""
         values = {field.name: np.array(record[field.name], dtype=np.float64) for field in fields(cls)}
         return cls(**{name: torch.tensor(value) for name, value in values.items()})
 

@@ -1,4 +1,4 @@
-"""What is known within sds only: how one sd of each nuisance changes the generalised force and the encoders' readings.
+"""Nuisances, known within sds only: how one sd of each changes the generalised force and the encoders' readings.
 
 A nuisance v has the prior N(0, 1), and what one sd of it changes in the jaw is read from the filter's settings. The
 encoders read y = h(q, v) with the variance R. With the derivatives h_q and h_v, and E = (h_q^T R^-1 h_q)^-1, a pose
@@ -57,7 +57,7 @@ class Nuisances:
 
     @classmethod
     def of(cls, record: Any) -> Nuisances:
-        """From a record of dtype ``nuisance_dtype``, of those that a jaw at rest shows: the twin is quasi-static."""
+        """The nuisances in a record of dtype ``nuisance_dtype`` that a jaw at rest shows: the twin is quasi-static."""
         shown = record["at_rest"].astype(bool)
         return cls(**{field.name: torch.tensor(np.array(record[field.name][shown])) for field in fields(cls)})
 

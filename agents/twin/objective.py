@@ -1,4 +1,4 @@
-"""What is made small by the twin's gradient."""
+"""Objective that the twin's gradient makes small."""
 
 from __future__ import annotations
 

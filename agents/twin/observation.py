@@ -1,4 +1,4 @@
-"""What a policy of targets control sees, as the twin has it: the environment's observation without its noise."""
+"""Observation of a policy of targets control in the twin: the environment's observation without its noise."""
 
 from __future__ import annotations
 

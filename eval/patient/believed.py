@@ -59,7 +59,7 @@ def _draw_poses(axes: Any, learnt: Learnt) -> None:
 
 
 def in_words(learnt: Learnt) -> str:
-    """Whether parts of the recording agree, in a sentence."""
+    """Sentence about how well the parts of the recording agree."""
     if learnt.temperature < AGREE:
         return "Parts of the recording agree with each other as they should."
     wider = np.sqrt(learnt.temperature)

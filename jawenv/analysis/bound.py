@@ -96,7 +96,7 @@ def bound_along(record: Record, parameters: Array | None = None, every: int = 1)
 
 
 def _path_bound(path: MotionPath, record: Record, every: int) -> Bound:
-    """As ``bound_along``, along a path that exists already."""
+    """The bound along a ``MotionPath``, kept every ``every`` ticks and at the last."""
     ticks, parameters = len(path.wrenches), len(record.parameter_names)
     rows = np.unique(np.append(np.arange(0, ticks + 1, every), ticks))
     covariances = np.empty((len(rows), parameters, parameters))

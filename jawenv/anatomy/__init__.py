@@ -1,4 +1,4 @@
-"""Who the patient is: attachments, muscles, mandible, fossa, patients, priors and cohorts."""
+"""The patient's anatomy: attachments, muscles, mandible and fossa; patients, priors and cohorts."""
 
 from jawenv.anatomy.attachments import Attachment, AttachmentRow, attachment, attachment_rows
 from jawenv.anatomy.cohorts import COHORTS, Cohort, cohort

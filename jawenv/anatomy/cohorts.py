@@ -179,7 +179,7 @@ class Cohort:
         return alike and self.to_dict() == cast(Cohort, other).to_dict()
 
     def __hash__(self) -> int:
-        """Of name and numbers."""
+        """Hash of name and numbers."""
         return hash((self.name, repr(self.groups)))
 
     def __reduce__(self) -> tuple[Any, ...]:

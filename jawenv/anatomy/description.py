@@ -153,7 +153,7 @@ class Anatomy:
         return isinstance(other, Anatomy) and _numbers_of(self) == _numbers_of(other)
 
     def __hash__(self) -> int:
-        """Of all numbers."""
+        """Hash of all numbers."""
         return hash(repr(_numbers_of(self)))
 
 

@@ -102,7 +102,7 @@ class MuscleSet(FrozenArrays):
 
     @property
     def whole_muscles_per_line(self) -> float:
-        """How many of the six whole muscles one line stands for: what its F_o is multiplied by."""
+        """Number of whole muscles, of the six, that one line stands for; its F_o is multiplied by it."""
         return len(MUSCLE_NAMES) / len(self.muscle)
 
 

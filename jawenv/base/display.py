@@ -34,7 +34,7 @@ def check_display(user: str, remedy: str) -> None:
 
 
 def check_window(user: str, remedy: str) -> None:
-    """Make sure that a window would be seen, or that ``SDL_VIDEODRIVER`` itself asks for one that is not.
+    """Make sure that a window can be seen, or that ``SDL_VIDEODRIVER`` itself asks for an unseen one.
 
     Gymnasium's ``check_env`` makes every environment with a window; where there is no display it is run so.
 

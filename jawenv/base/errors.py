@@ -46,7 +46,7 @@ class MissingPackageError(InputError, ImportError):
 
 
 class UnknownArgumentError(InputError, TypeError):
-    """A keyword argument that is not known; a ``TypeError`` as well, which is what callers of a signature expect."""
+    """An unknown keyword argument; a ``TypeError`` as well, which is what callers of a signature expect."""
 
 
 class UnknownAttributeError(InputError, AttributeError):

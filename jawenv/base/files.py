@@ -195,7 +195,7 @@ def remove_unfinished(output: Path) -> None:
 
 
 def check_kept(output: Path, inputs: Iterable[Path | None]) -> None:
-    """Check that a file that will be written is none of those that are read, also by way of links."""
+    """Check that a file to be written is none of the files that are read, also by way of links."""
     for source in inputs:
         if source is not None and output.exists() and source.exists() and output.samefile(source):
             raise InputError(f"{output}: is read as {source}; allowed: an output that is no input")

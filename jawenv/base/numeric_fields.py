@@ -94,7 +94,7 @@ class NumericFields:
         return read_into(path, cls.from_dict)
 
     def changes(self) -> dict[str, float]:
-        """The fields that have not their defaults, as ``from_dict`` takes them."""
+        """The fields that differ from their defaults, as ``from_dict`` takes them."""
         return {
             entry.name: getattr(self, entry.name)
             for entry in fields(self)

@@ -68,7 +68,7 @@ class Progress:
 
     @property
     def done(self) -> float:
-        """How much is done in all."""
+        """Amount of work done in all."""
         return self._done
 
     def advance_to(self, done: float, item: str = "") -> None:

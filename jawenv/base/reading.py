@@ -1,4 +1,4 @@
-"""How every file from outside is opened: a regular file of a limited size, or one line that says what is wrong.
+"""Opening of every file from outside: a regular file of a limited size, or one line that says what is wrong.
 
 A pipe or a device would be read for ever. Archives and arrays state their size at the top: what they state is checked
 before anything of it is read.

@@ -1,4 +1,4 @@
-"""Which seeds are for what, so that nothing is judged by patients on whom it was chosen.
+"""Ranges of seeds, each for one purpose, so that nothing is judged by patients on whom it was chosen.
 
 Patient i of a cohort is drawn, and its noise made, by ``seed + i``.
 """

@@ -94,7 +94,7 @@ def judgements(record: Record, result: Identification) -> list[Verdict]:
 
 
 def as_mapping(record: Record, result: Identification) -> dict[str, Any]:
-    """What a pipeline reads in place of the printed table, of text, numbers, lists and None alone."""
+    """The answer as a pipeline reads it in place of the printed table: text, numbers, lists and None alone."""
     found = zip(MUSCLE_NAMES, judgements(record, result), strict=False)
     _, tilt = defaults.model_of_geometry(record.jaw) or ("", None)
     return {

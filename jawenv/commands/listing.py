@@ -47,7 +47,7 @@ def _agents() -> dict[str, str]:
 
 
 def _scored(card: ModelCard) -> str:
-    """What a policy has reached on simulated patients, by its card."""
+    """Words for what a policy has reached on simulated patients, by its card."""
     reached = {result.metric: result.mean if result.median is None else result.median for result in card.results}
     sd = next((value for name, value in reached.items() if name.startswith("largest") and "10 s" in name), None)
     discomfort = next((value for name, value in reached.items() if name.startswith("discomfort")), None)

@@ -1,4 +1,4 @@
-"""How commands are run, and their help: no flag is shown with a value, and no argument with a type of Python."""
+"""Running of commands, and their help: no flag is shown with a value, and no argument with a type of Python."""
 
 from __future__ import annotations
 

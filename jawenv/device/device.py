@@ -58,7 +58,7 @@ DEVICE = record_dtype(DeviceRecord)
 
 
 class Linkage:
-    """Of the device, what moves its motors."""
+    """Directions of the device's motors, and their points on the mouthpiece."""
 
     # The directions first: a record that began as the device's does would be taken for a part of it.
     direction: Annotated[Array, N_MOTORS, 3]

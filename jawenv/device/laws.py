@@ -65,13 +65,13 @@ class Wanted(NamedTuple):
 
 @njit
 def _arms_mm(device: DeviceRecord):
-    """How far the vertical and the horizontal motors push from the midline, mm."""
+    """Distances from the midline at which the vertical and the horizontal motors push, mm."""
     return 1e3 * abs(device.point[0, 1]), 1e3 * abs(device.point[2, 1])
 
 
 @njit
 def _height_over_lever(pitch):
-    """How far the mouthpiece is below the condyles, over how far it is before them."""
+    """Height of the mouthpiece below the condyles, divided by its distance before them."""
     below = _MOUTHPIECE_X * sin(pitch) - _MOUTHPIECE_Z * cos(pitch)
     return below / (_MOUTHPIECE_X * cos(pitch) + _MOUTHPIECE_Z * sin(pitch))
 

@@ -24,7 +24,7 @@ def checked_asked(asked: object, muscles: Sequence[str], name: str = "asked") ->
 
 
 def asked_muscles(asked: str | None, muscles: Sequence[str], key: NDArray[np.uint64]) -> NDArray[np.bool_]:
-    """Which of the muscles (M,) a question asks for.
+    """Mask (M,) of the muscles that a question asks for.
 
     Args:
         asked: a muscle, a word of several names, "random" for one that the key draws, or None for all.

@@ -201,7 +201,7 @@ class Configuration:
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """Plain values with which ``gymnasium.make`` makes the same of the id: those that are not its own.
+        """Plain arguments with which ``gymnasium.make`` makes the same of the id: all that differ from its own.
 
         Control, sensors, cohort and length are always there.
         """

@@ -36,7 +36,7 @@ tick began (s) at which the device answers, about which its answer acts, and for
 
 
 class MovedJaw(Protocol):
-    """What ``MovedPlants`` moves: a plant, whatever its way to take the wrench."""
+    """A jaw that ``MovedPlants`` moves: a plant, whatever its way to take the wrench."""
 
     def begin(self, patient: PatientJaw, rng: np.random.Generator) -> BodyMotion:
         """Put a patient's jaw at rest."""
@@ -68,12 +68,12 @@ class HeldWrench:
         self._steps = round(parts)
 
     def begin(self, patient: PatientJaw, rng: np.random.Generator) -> BodyMotion:
-        """As ``MovedJaw``."""
+        """Put a patient's jaw at rest by the plant's ``reset``."""
         self._mouthpiece = patient.jaw["mouthpiece"].copy()
         return self._taken(self.plant.reset(patient, rng), "reset")
 
     def advance(self, duration: float, wrench_on: WrenchOn) -> BodyMotion:
-        """As ``MovedJaw``."""
+        """Move the jaw through ``duration`` (s), in steps of a held wrench."""
         step = duration / self._steps
         for k in range(self._steps):
             wrench = np.array(wrench_on(self._motion, k * step, (k + 0.5) * step, step))
@@ -84,7 +84,7 @@ class HeldWrench:
         """A plant of the user's is copied as a whole."""
 
     def take_muscles(self, muscles: NDArray[np.float64]) -> None:
-        """As ``MovedJaw``, of a plant that takes them."""
+        """Give F_o and b (lines, 2) of the coming tick to a plant that takes them."""
         if hasattr(self.plant, "take_muscles"):
             self.plant.take_muscles(muscles[:, 0].copy(), muscles[:, 1].copy())
 

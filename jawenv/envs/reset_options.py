@@ -84,7 +84,7 @@ def checked_patients(patients: object, number: int) -> list[Patient | None]:
 
 
 def checked_questions(asked: object, number: int, configuration: Configuration) -> list[str | None]:
-    """What each of N worlds asks for, given for all or one by one; None for the configuration's."""
+    """The question of each of N worlds, given for all or one by one; None for the configuration's."""
     questions = list(asked) if isinstance(asked, Sequence) and not isinstance(asked, str) else [asked] * number
     if len(questions) != number:
         raise InputError(f"option asked has {len(questions)} entries; allowed: {number}")
@@ -94,7 +94,7 @@ def checked_questions(asked: object, number: int, configuration: Configuration) 
 
 
 def checked_mask(mask: object, number: int) -> NDArray[np.bool_]:
-    """Which of N worlds begin anew."""
+    """Checked mask (N,) of the worlds that begin anew."""
     if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (number,):
         raise InputError(f"option reset_mask is {shown(mask)}; allowed: a bool array of shape ({number},)")
     return mask

@@ -26,7 +26,7 @@ class _Worlds(Protocol):
 
 
 def potential(reward: str, simulation: _Worlds) -> NDArray[np.float64]:
-    """The potential (N,) of a reward, which pays its increments, in nats; 0 for a belief that is not a number.
+    """The potential (N,) of a reward, which pays its increments, in nats; 0 where the belief makes it infinite or NaN.
 
     ``"uncertainty"``: half the fall of the log-determinant that the filter claims. ``"bound"``: the same for the
     posterior Cramer-Rao bound at the truth. ``"score"``: log posterior less log prior density at the truth.

@@ -1,4 +1,4 @@
-"""From one of the worlds to the scene that the renderer draws: the true motion, and what is believed about it."""
+"""The scene that the renderer draws of one of the worlds: the true motion, and what is believed about it."""
 
 from __future__ import annotations
 

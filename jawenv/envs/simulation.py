@@ -146,14 +146,14 @@ class Simulation:
         return MovedPlants(plant, names, shared, self.models, self.worlds, rows)
 
     def _kept_ticks(self) -> int:
-        """How many ticks of an episode are kept: all to be recorded or read again, or those that the filter replays."""
+        """Number of ticks kept of an episode: all if it is recorded or read again, or as many as the filter replays."""
         configuration = self.configuration
         ticks = configuration.steps * configuration.ticks_per_step
         whole = configuration.record or configuration.own_estimator is not None
         return ticks if whole else min(ticks, LAST_WINDOW)
 
     def _kept_truths(self) -> int:
-        """How many rows of the truth are kept: of an episode to be recorded, of the bound's last period, or one."""
+        """Number of rows kept of the truth: of an episode to be recorded, of the bound's last period, or one."""
         if self.configuration.record:
             return self._kept_ticks() + 1
         return self.configuration.ticks_per_step + 1 if self.configuration.needs_bound else 1
@@ -185,7 +185,7 @@ class Simulation:
         fill_settings(settings, Geometry(*parts, self.force_errors), noise, sd)
 
     def _set_disturbance(self, settings: Any) -> None:
-        """The true wrench that is not known: what is new in every tick, and how fast what lasts decays."""
+        """Set the true unknown wrench: what is new in every tick, and how fast what lasts decays."""
         time = float(self.device[0]["unmodelled_time"])
         true_time = float(settings["reality"]["unmodelled_time"]) or time
         settings["unmodelled_decay"] = np.exp(-TICK / true_time) if true_time > 0.0 else 0.0

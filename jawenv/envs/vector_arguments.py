@@ -15,7 +15,7 @@ __all__ = ["checked_autoreset_mode", "checked_num_envs", "checked_steps", "enoug
 
 
 def checked_num_envs(value: object) -> int:
-    """How many worlds."""
+    """Checked number of worlds."""
     number = whole_number(value)
     if number is None or number < 1:
         raise InputError(f"num_envs is {shown(value)}; allowed: a whole number, 1 or more")

@@ -1,1 +1,1 @@
-"""For Bayesian design and simulation-based inference: treatable patients, simulation in batches, likelihoods."""
+"""Tools for Bayesian design and simulation-based inference: treatable patients, simulation in batches, likelihoods."""

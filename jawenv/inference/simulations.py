@@ -105,7 +105,7 @@ def simulate(
 
 
 def _configuration(env_id: str, env_kwargs: Mapping[str, Any] | None, steps: int) -> Configuration:
-    """Of an environment that keeps what it reads, with an episode of so many control periods."""
+    """Configuration of an environment that keeps what it reads, with an episode of so many control periods."""
     configuration = configuration_of(env_id, env_kwargs, {"record": True, "episode_s": 1e6})
     return replace(configuration, episode_s=steps / configuration.steps_per_s)
 
@@ -125,7 +125,7 @@ def _play(configuration: Configuration, theta: Array, actions: Array, seed: int)
 
 
 def _begin(simulation: Simulation, theta: Array, seed: int) -> Mask:
-    """Begin the episodes of those who can be treated; (n,) bool, who they are."""
+    """Begin the episodes of all treatable patients; returns a mask (n,) of them."""
     number, muscles = len(theta), simulation.cohort.muscles.names
     patients: list[Patient | None] = [patient_of(row, muscles) for row in theta]
     generators = [np_random(seed + i)[0] for i in range(number)]

@@ -1,4 +1,4 @@
-"""Which patients the device can treat: on whom a simulation is defined."""
+"""The patients whom the device can treat, for whom a simulation is defined."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jawenv.inference.settings import DEFAULT_ENV, Mask, configuration_of, log_p
 
 
 def treatable(theta: ArrayLike, *, env_id: str = DEFAULT_ENV, env_kwargs: Mapping[str, Any] | None = None) -> Mask:
-    """Which patients the device can treat: those whom ``reset`` of an environment takes.
+    """Mask of the patients whom the device can treat: whom ``reset`` of an environment takes.
 
     The relaxed jaw has to rest less than 35 mm open and 5 mm aside, with a painless range of 5 mm or more; F_o is at
     most 200 N and b at most 60 (``jawenv.Patient``). Anatomy and comfort decide; device and noise do not matter. The

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept: on disk, named by what they are made of.
+"""Compiled kernels kept on disk, named by what they are made of.
 
 Numba names a kernel's files by the path and the text of the source file. A copy of the sources then compiles all anew,
 and a kernel is not renewed when one that it calls changes in another file. Here the name is a digest of the kernel's
@@ -48,14 +48,14 @@ LEVELS = {"x86-64-v4": f"{_V3},+avx512bw,+avx512cd,+avx512dq,+avx512f,+avx512vl"
 
 @cache
 def cache_folder() -> Path:
-    """Where compiled kernels are kept: ``JAWENV_CACHE_DIR``, or jawenv's folder in the user's cache."""
+    """Folder of compiled kernels, in ``JAWENV_CACHE_DIR`` or in jawenv's folder of the user's cache."""
     cache = Path(os.environ.get("JAWENV_CACHE_DIR") or user_cache_dir("jawenv"))
     return _own_folder("JAWENV_CACHE_DIR", cache / "kernels")
 
 
 @cache
 def shipped_folder() -> Path:
-    """Where the kernels lie that jawenv came with: in the package, or in ``JAWENV_KERNELS_DIR``."""
+    """Folder of the kernels that jawenv came with: in the package, or ``JAWENV_KERNELS_DIR``."""
     named = os.environ.get("JAWENV_KERNELS_DIR")
     return _own_folder("JAWENV_KERNELS_DIR", Path(named)) if named else Path(__file__).with_name("shipped")
 
@@ -88,7 +88,7 @@ def kernel_folder(function: FunctionType) -> Path:
 
 
 def _name_of(function: FunctionType, kind: str = "") -> str:
-    """What a kernel's folder is called: name, digest of its sources, form."""
+    """Name of a kernel's folder: its own name, the digest of its sources, its form."""
     return f"{function.__module__}.{function.__qualname__}-{kernel_digest(function)}{kind}".replace("<", "")
 
 
@@ -240,7 +240,7 @@ class KernelCache:
 
 
 def with_checksum(content: bytes) -> bytes:
-    """What is kept of a kernel."""
+    """The content kept of a kernel, behind its checksum."""
     return hashlib.sha256(content).digest() + content
 
 
@@ -277,7 +277,7 @@ def _make_writable(folder: Path) -> None:
 
 @contextmanager
 def one_process(folder: Path, what: str) -> Iterator[None]:
-    """Of several processes one is in the block at a time, where the folder can be written and has locks."""
+    """Let one of several processes at a time into the block, where the folder can be written and has locks."""
     lock = FileLock(folder / f"{what}.lock")
     try:
         _make(folder)

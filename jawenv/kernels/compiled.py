@@ -1,4 +1,4 @@
-"""How jawenv compiles its kernels: Numba, kept on disk (``cache``), and shared out to threads by worlds."""
+"""Compilation of jawenv's kernels: Numba, kept on disk (``cache``), and shared out to threads by worlds."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def _record_in_symbol(record: Any) -> tuple[str, tuple[object, ...]]:
-    """How a compiled function's symbol names a record that it takes: by its content.
+    """Name of a record in the symbol of a compiled function that takes it: by its content.
 
     Numba's own name is a number that counts the types which the process has seen. Two processes that compile one kernel
     for two models then give both the same symbol; a third, which reads both from the cache, calls one for the other.
@@ -175,7 +175,7 @@ class WorldKernel:
 
 
 def _number_of_threads() -> int:
-    """What ``numba.get_num_threads()`` says.
+    """Number of threads that ``numba.get_num_threads()`` states.
 
     That is asked only where Numba's own threads have begun, as `numba.set_num_threads` begins them. The question begins
     them too, and they set OpenMP's number, which is PyTorch's: ``torch.set_num_threads(1)`` would be undone.

@@ -292,6 +292,6 @@ def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
 
 @lower_builtin(operator.getitem, types.Array, types.Tuple)
 def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    """Of indices of different types; Numba's own where none stands for all lines."""
+    """Get a place by indices of different types; Numba's own way where none stands for all lines."""
     chosen = _gather if isinstance(signature.return_type, Lanes) else getitem_array_tuple
     return chosen(context, builder, signature, values)

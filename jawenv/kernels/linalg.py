@@ -23,7 +23,7 @@ from jawenv.kernels.compiled import njit
 
 
 def _features() -> set[str]:
-    """What this processor can do, as Numba compiles for it."""
+    """Features of this processor for which Numba compiles."""
     asked: str | None = getattr(config, "CPU_FEATURES", None)
     if asked is not None:
         return {name[1:] for name in asked.split(",") if name.startswith("+")}
@@ -98,7 +98,7 @@ def _matrices(context: Any, builder: Any, signature: Any, values: Any) -> list[_
 
 
 def _sums(builder: Any, right: _Matrix, rows: int, count: int, factors: Callable[[int], list[Any]]) -> list[list[Any]]:
-    """For each of ``rows`` rows the vectors of sum_k factor_k times row k of ``right``."""
+    """Vectors of sum_k factor_k times row k of ``right``, for each of ``rows`` rows."""
     totals: list[list[Any]] = [[None] * len(right.blocks) for _ in range(rows)]
     for k in range(count):
         numbers = factors(k)
@@ -146,7 +146,7 @@ def _product(name: str, sums: str) -> Any:
 
 
 def _in_groups(builder: Any, rows: int, together: int, some_rows: Callable[[Any, int], None]) -> None:
-    """Call ``some_rows`` for groups of ``together`` rows in a loop, and once for those that are left."""
+    """Call ``some_rows`` for groups of ``together`` rows in a loop, and once for the rest."""
     with cgutils.for_range(builder, _index(rows // together)) as loop:
         some_rows(builder.mul(loop.index, _index(together)), together)
     if rows % together:

@@ -62,7 +62,7 @@ def _overload_sizes_differ(source: Any, target: Any) -> Any:
 
 
 class _Plain:
-    """No colours for error messages: Numba makes thousands of errors, of types that do not fit, and shows none."""
+    """No colours for error messages: Numba makes thousands of errors, of mismatched types, and shows none."""
 
     def __getattr__(self, name: str) -> Any:
         return str

@@ -41,7 +41,7 @@ def record_dtype(fields: type | list[Any], **sizes: int | np.dtype[np.void]) -> 
 
 
 def _format(hint: Any, dtype: Any, sizes: dict[str, Any]) -> tuple[Any, ...]:
-    """What ``np.dtype`` takes for a field with this annotation."""
+    """Format of a field with this annotation, as ``np.dtype`` takes it."""
     if get_origin(hint) is Annotated:
         array, *lengths = get_args(hint)
         number = get_args(array)[-1]  # from NumPy 2.5 and Python 3.12 on; before, the dtype of it

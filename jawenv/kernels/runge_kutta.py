@@ -21,7 +21,7 @@ STAGES = 4
 
 @njit_inlined
 def stage_place(stage):
-    """Where in a step a stage lies, from 0 to 1."""
+    """Place of a stage in a step, from 0 to 1."""
     return 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
 
 
@@ -33,7 +33,7 @@ def stage_weight(stage, h):
 
 @njit_inlined
 def stage_reach(stage, h):
-    """How far the next stage is from the start along this stage's rate (s)."""
+    """Reach of the next stage from the start along this stage's rate (s)."""
     return h if stage == 2 else 0.5 * h
 
 

@@ -1,4 +1,4 @@
-"""Who may speak to the page, and what: pages of its own address alone, and values that its controls have."""
+"""Access to the page: pages of its own address alone may speak to it, with values that its controls have."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def _has(control: Any, value: bool | float | str) -> bool:
 
 
 def _silent() -> logging.Logger:
-    """Of websockets, which would print how strangers' connections fail."""
+    """Logger of websockets, silenced: it would print how strangers' connections fail."""
     logger = logging.getLogger("jawenv.live.websockets")
     logger.propagate = False
     logger.setLevel(logging.CRITICAL + 1)

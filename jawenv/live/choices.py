@@ -16,7 +16,7 @@ from jawenv.playing.rollout import LARGEST_SEED
 
 
 class Choices:
-    """Which patient, and which model; ``setup`` is what they say.
+    """Choices of a patient and of a model; ``setup`` is what they say.
 
     Args:
         gui: of a ``viser.ViserServer``.
@@ -50,7 +50,7 @@ class Choices:
             gui.add_button("New episode").on_click(leave(change))
 
     def setup(self) -> Setup:
-        """What is chosen."""
+        """The chosen setup."""
         values = {name: field.value for name, field in self.fields.items()}
         seed = int(values.pop("seed"))
         patient = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._knowledge[values["knowledge"]]}

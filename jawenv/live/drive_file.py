@@ -51,7 +51,7 @@ def write_maneuver(path: Path, maneuver: Maneuver) -> None:
 
 
 def _samples(times: Array, values: Array) -> Keyframes:
-    """The samples, without those that lie on the straight line between their neighbours."""
+    """The samples, less all that lie on the straight line between their neighbours."""
     indices = [0]
     for i in range(1, len(times) - 1):
         before, after = indices[-1], i + 1

@@ -32,7 +32,7 @@ HELP = "<b>S W</b> open, close · <b>A D</b> right, left · <b>↑ ↓</b> push,
 
 
 class Keys:
-    """Which drive keys are held, in all browsers together.
+    """Drive keys that are held, in all browsers together.
 
     Args:
         server: a ``viser.ViserServer``, which gets the hotkeys.
@@ -73,7 +73,7 @@ class Keys:
                 clients.discard(client)
 
     def take(self) -> set[str]:
-        """The keys that are held, and those that were pressed since the last call."""
+        """The keys that are held, or were pressed since the last call."""
         with self._lock:
             down = self._tapped | {code for code, clients in self._held.items() if clients}
             self._tapped = set()

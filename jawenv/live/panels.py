@@ -58,7 +58,7 @@ def strip_html(scene: Scene) -> str:
 
 
 def hidden_html(until_s: float) -> str:
-    """In place of the posterior while it is hidden; for ``until_s`` 0 until the question is answered."""
+    """Card in place of the posterior while it is hidden; ``until_s`` 0: until the question is answered."""
     words = f"The bars appear after {until_s:g} s. Until then watch which muscles get thick: they pull."
     if not until_s:
         words = "Bars and estimates appear with your answer."
@@ -75,7 +75,7 @@ def steps_html(hidden_s: float = 0.0) -> str:
 
 
 def answer_html(rows: Sequence[AnsweredMuscle]) -> str:
-    """What the player said of each muscle, beside the truth and the filter's estimate."""
+    """The player's answer for each muscle, beside the truth and the filter's estimate."""
     lines = []
     for row in rows:
         colour = "inherit" if row.right else "var(--live-remark)"
@@ -176,7 +176,7 @@ def status_html(shown: Shown, remark: str = "") -> str:
 
 
 def ghost_html(shown: Shown) -> str:
-    """How far the ghost has come."""
+    """Line about how far the ghost has come."""
     outcome = shown.outcome
     words = f"worst sd {100 * outcome.worst_sd:.1f} %, all within 5 % {_seconds(outcome.time_to_s[1])}"
     style = "font:12px/1.4 system-ui,sans-serif;color:var(--live-soft);margin:0 20px 4px"

@@ -36,7 +36,7 @@ class Playback:
         self._forces = _filled(record.samples[:, -1, :3])
 
     def __len__(self) -> int:
-        """How many moments there are."""
+        """Number of moments."""
         return len(self._estimate.time)
 
     @property

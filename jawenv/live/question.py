@@ -1,4 +1,4 @@
-"""Which muscles are stiff: the answer of a player beside truth and estimates."""
+"""The question of stiff muscles: the answer of a player beside truth and estimates."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def serving(port: int = PORT) -> Iterator[Any]:
 
 
 def url_of(server: Any) -> str:
-    """Where a browser finds it."""
+    """Address of the page for a browser."""
     return f"http://{HOST}:{server.get_port()}"
 
 

@@ -115,7 +115,7 @@ class DriveSession:
 
     @property
     def driver(self) -> str:
-        """Who drives."""
+        """Name of the present driver."""
         return BY_HAND if self.steering.driver is None else self.steering.driver.name
 
     @property
@@ -189,7 +189,7 @@ class DriveSession:
                 self._reached[threshold] = self._time_s
 
     def _name(self) -> str:
-        """Who has driven in this episode."""
+        """Names of all who have driven in this episode."""
         return " and ".join(sorted(self._drivers, reverse=True)) or BY_HAND
 
     def maneuver(self, name: str) -> Maneuver:

@@ -1,4 +1,4 @@
-"""Who says where the jaw is to go: a hand, or a maneuver or agent that may be taken over and given back at any time."""
+"""Steering of the jaw: a hand, or a maneuver or agent that may be taken over and given back at any time."""
 
 from __future__ import annotations
 

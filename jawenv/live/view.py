@@ -118,7 +118,7 @@ def _set_scheme(client: Any, dark: bool) -> None:
 
 
 def _fit(client: Any) -> None:
-    """On a narrow page, put the jaw above the sheet of controls, as often as viser begins as on a wide one."""
+    """Put the jaw above the sheet of controls on a narrow page, as often as viser begins as on a wide one."""
 
     def look(camera: Any) -> None:
         if camera.aspect < _NARROW and np.allclose(camera.position, FIRST_POSITION, atol=0.01):

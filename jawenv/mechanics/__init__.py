@@ -1,4 +1,4 @@
-"""How the jaw moves: condyle on fossa, muscles, mandible dynamics, stops, equilibrium."""
+"""Motion of the jaw: condyle on fossa, muscles, mandible dynamics, stops, equilibrium."""
 
 from jawenv.mechanics.building import build_jaw
 

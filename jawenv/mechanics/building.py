@@ -1,4 +1,4 @@
-"""From anatomy to the record of a jaw."""
+"""The record of a jaw, made from its anatomy."""
 
 from __future__ import annotations
 

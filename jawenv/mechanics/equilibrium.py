@@ -1,4 +1,4 @@
-"""Where the relaxed jaw rests, and where it goes when the mouth is opened slowly.
+"""Rest of the relaxed jaw, and its path when the mouth is opened slowly.
 
 The equilibrium is found by pseudo-transient continuation (Kelley & Keyes 1998): implicit Euler steps along
 q' = M^-1 Q(q) with growing step, which follow the branch that starts at the closed jaw and end at stable equilibria

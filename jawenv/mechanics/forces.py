@@ -106,7 +106,7 @@ def _clear_stiffness(stiffness):
 
 @njit_inlined
 def _add_point(stiffness, arm, force):
-    """Add a point force that does not depend on place to N; here and below of one point, or of all lines at once."""
+    """Add a point force independent of place to N; here and below of one point, or of all lines at once."""
     along = total(dot(arm, force))
     for i in range(3):
         for j in range(3):
@@ -147,7 +147,7 @@ def _add_isotropic(stiffness, arm, k):
 
 @njit
 def carried_with_stiffness(jaw: Jaw, muscles, contact, body_to_head, stiffness, pulls):
-    """As ``carried_forces``, and set ``stiffness`` (3, 3, 3) and ``pulls``.
+    """Force and moment of ``carried_forces``; sets ``stiffness`` (3, 3, 3) and ``pulls`` as well.
 
     ``pulls`` (lines, 7) receives per line its force, its moment about ``contact`` and its strain (l - l_o)/l_o.
     """
@@ -185,7 +185,7 @@ def carried_with_stiffness(jaw: Jaw, muscles, contact, body_to_head, stiffness, 
 
 @njit
 def resultant_with_stiffness(jaw: Jaw, muscles, q, u, body_to_head, stiffness, pulls):
-    """As ``resultant``, with ``stiffness`` and ``pulls`` as in ``carried_with_stiffness``."""
+    """Force and moment of ``resultant``; sets ``stiffness`` and ``pulls`` as ``carried_with_stiffness`` does."""
     contact = contact_point(jaw, q)
     force, moment = carried_with_stiffness(jaw, muscles, contact, body_to_head, stiffness, pulls)
     capsule, capsule_slope = capsule_force(jaw, q[0])

@@ -1,4 +1,4 @@
-"""Where the mandible is: the condyle on its fossa and the Euler angles 2-3-1.
+"""Place of the mandible: the condyle on its fossa and the Euler angles 2-3-1.
 
 Coordinates q = (x, y, theta, psi, alpha): contact point forward and left (m), pitch (opening), yaw, roll (rad).
 Speeds u = (x', y', omega_1, omega_2, omega_3): contact point (m/s) and angular velocity in body axes (rad/s).

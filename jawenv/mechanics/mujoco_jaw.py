@@ -72,7 +72,7 @@ class MujocoJaw:
         self.wraps, self.ligaments = wraps, ligaments
 
     def reset(self, patient: PatientJaw, rng: np.random.Generator) -> Motion:
-        """As ``jawenv.Plant``; nothing is drawn."""
+        """Put the relaxed jaw of a patient at rest; nothing is drawn by chance."""
         jaw = patient.jaw
         lines = [self.wraps and "masseter" in name for name in patient.line_names]
         self.model = mujoco.MjModel.from_xml_string(_mjcf(jaw, lines, LIGAMENTS if self.ligaments else {}))
@@ -90,11 +90,11 @@ class MujocoJaw:
         return self.motion
 
     def take_muscles(self, F_o_N: Array, b: Array) -> None:
-        """As ``jawenv.Plant``."""
+        """Take F_o (N) and b of the lines (n,) for the coming steps."""
         self._F_o, self._b = F_o_N, b
 
     def advance(self, wrench: Array, dt: float) -> Motion:
-        """As ``jawenv.Plant``."""
+        """Move the jaw on; returns its motion then."""
         steps = round(dt / TIMESTEP)
         if steps < 1 or abs(steps * TIMESTEP - dt) > 1e-9:
             raise InputError(f"dt is {dt}; allowed: multiples of {TIMESTEP}")
@@ -104,7 +104,7 @@ class MujocoJaw:
 
     @property
     def motion(self) -> Motion:
-        """Where the mouthpiece is, and how it moves."""
+        """Place and motion of the mouthpiece."""
         qpos, qvel, R = self.data.qpos, self.data.qvel, np.empty((3, 3))
         mujoco.mju_quat2Mat(R.reshape(9), qpos[3:])
         omega = qvel[3:].copy()

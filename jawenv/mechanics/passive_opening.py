@@ -1,4 +1,4 @@
-"""How far a relaxed jaw opens under a slow vertical pull: what a clinician measures, of simulated patients."""
+"""Opening of a relaxed jaw under a slow vertical pull: what a clinician measures, of simulated patients."""
 
 from __future__ import annotations
 
@@ -120,6 +120,6 @@ def _curve(jaw: Any, lines: MuscleSet, row: NDArray[np.float64], most: float, re
 
 
 def opening_of(jaw: Any, pose: NDArray[np.float64]) -> float:
-    """How far the mouthpiece is below its place in the closed jaw (m), at a pose (5,)."""
+    """Distance of the mouthpiece below its place in the closed jaw (m), at a pose (5,)."""
     place = np.array(contact_point(jaw, tuple(pose))) + np.array(rotation(tuple(pose))) @ jaw["mouthpiece"]
     return float(jaw["mouthpiece"][2] - place[2])

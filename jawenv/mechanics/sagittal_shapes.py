@@ -52,7 +52,7 @@ def add_fossa(space: pymunk.Space, jaw: Any, radius: float, segment: float) -> N
 
 
 class BodyMotion(NamedTuple):
-    """Where a pymunk body is and how it moves, in pymunk's units, to the bit."""
+    """Place and motion of a pymunk body, in pymunk's units, to the bit."""
 
     position: tuple[float, float]
     angle: float

@@ -39,7 +39,7 @@ def nees(error: Array, covariance: Array) -> Array:
 
 
 def alarm_rings(misfit: Array) -> npt.NDArray[np.bool_]:
-    """Where the filter's alarm rings: the readings do not fit the model, and the belief is not to be trusted.
+    """Whether the filter's alarm rings: the readings do not fit the model, and the belief is not to be trusted.
 
     Args:
         misfit: (...) largest of an episode, `info["misfit"]`; one that is not a number rings.

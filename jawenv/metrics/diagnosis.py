@@ -62,7 +62,7 @@ def _share(hits: Mask, decided: Mask) -> float:
 
 
 def whole_muscles_per_line(parameter_names: Sequence[str]) -> float:
-    """How many whole muscles a line of the model with these parameters stands for: what a threshold of F_o takes.
+    """Number of whole muscles that a line of the model with these parameters stands for; thresholds of F_o take it.
 
     One half for portions, two for left and right together; 1 for parameters of no model of jawenv.
     """

@@ -1,4 +1,4 @@
-"""How precisely the parameters are known, and how far the estimates are from the truth."""
+"""Precision of the estimates, and their distance from the truth."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def time_to(sd: Array, time: Array, threshold: float, valid: npt.NDArray[np.bool
 
 
 def identified(mean: Array, sd: Array, truth: Array, sd_limit: float = 0.10) -> npt.NDArray[np.bool_]:
-    """Which parameters are known: a small standard deviation *and* the truth inside the 95 % interval.
+    """Mask of the parameters that are known: a small standard deviation *and* the truth inside the 95 % interval.
 
     Args:
         mean: (..., P) of the natural logs.

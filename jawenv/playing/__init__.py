@@ -1,1 +1,1 @@
-"""Who moves the jaw: the protocol of an agent, maneuvers and their player, episodes on many patients."""
+"""Agents that move the jaw: their protocol, maneuvers and their player, episodes on many patients."""

@@ -115,7 +115,7 @@ class Recording:
         return np.sqrt(np.diagonal(self.belief_cov, axis1=-2, axis2=-1))
 
     def of_asked(self, values: Array) -> Array:
-        """Values (N, ..., P) of the parameters, none below 0, with 0 for those that are not asked for."""
+        """Values (N, ..., P) of the parameters, none below 0, with 0 for parameters outside the question."""
         shape = (self.num_worlds, *(1,) * (np.ndim(values) - 2), values.shape[-1])
         return values * self.asked.reshape(shape)
 

@@ -140,7 +140,7 @@ def _record(env: Any, index: int) -> Record:
 
 
 def _number_of(patients: object) -> int:
-    """How many patients are asked for, by their number or by themselves."""
+    """Number of patients that are asked for, by their number or by themselves."""
     if isinstance(patients, Sequence) and not isinstance(patients, str):
         number: int | None = len(patients)
     else:

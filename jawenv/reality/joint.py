@@ -48,7 +48,7 @@ NO_PUSH = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @njit
 def _line_from(jaw: Jaw, i, q, lift):
-    """From the insertion of line i to its origin (m, head axes)."""
+    """Vector from the insertion of line i to its origin (m, head axes)."""
     contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
     return subtract(row3(ORIGIN, i), add(contact, apply(rotation(q), row3(INSERTION, i))))
 

@@ -1,4 +1,4 @@
-"""Which effects beyond the thesis act on the truth, and how strongly."""
+"""Effects beyond the thesis that act on the truth, and their strength."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ def even_time(table: RecordTable) -> Array:
 
 
 def _from_line(time: Array) -> Array:
-    """How far each time lies off the straight line through all, s."""
+    """Deviation of each time from the straight line through all, s."""
     rows = np.arange(len(time)) - 0.5 * (len(time) - 1)
     since = time - time.mean()
     off: Array = since - rows * (rows @ since) / (rows @ rows)

@@ -96,7 +96,7 @@ def wrench_sd(device: Device, dt: float, force_sensor: ForceSensor = "cell") -> 
 
 
 def disturbance_sd(device: Device) -> Array:
-    """(6,) sd of the unmodelled wrench at any time, as it has it with memory."""
+    """(6,) sd at any time of an unmodelled wrench with memory."""
     device_record = device.records()[0]
     sd: Array = np.repeat([float(device_record["unmodelled_force"]), float(device_record["unmodelled_moment"])], 3)
     return sd

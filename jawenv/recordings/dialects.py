@@ -112,5 +112,5 @@ def number(cell: str) -> float | None:
 
 
 def decimal_signs(cells: list[list[str]]) -> set[str]:
-    """Which of point and comma stand in the numbers."""
+    """The decimal signs, point or comma, that stand in the numbers."""
     return {sign for row in cells for cell in row for sign in ".," if sign in cell and _NUMBER.fullmatch(cell)}

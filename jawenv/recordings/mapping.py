@@ -31,7 +31,7 @@ UNITS: dict[str, dict[str, float]] = {
 
 
 class Source(InputModel):
-    """Where a column comes from."""
+    """The file's column from which one of the project's comes."""
 
     name: str  # of the file's column
     unit: str | None = None  # of its numbers; by default the project's

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def thinned(record: Record, every: int) -> Record:
-    """Every ``every``-th reading of the encoders; ticks at the end that do not make a whole longer one are left out.
+    """Every ``every``-th reading of the encoders; ticks at the end that make no whole longer one are left out.
 
     The load cell does not sample at a few instants, which would alias, but averages, as the amplifier of a slow one
     does: its three numbers of a longer tick are of the parabola that fits all readings in it best (least squares) and
@@ -92,7 +92,7 @@ def divided(record: Record, parts: int) -> Record:
 
 
 def _whole_ticks(record: Record, every: int) -> int:
-    """How many of the ticks make whole longer ones."""
+    """Number of the ticks that make whole longer ones."""
     ticks = len(record.samples)
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or not 1 <= every <= ticks:
         raise InputError(f"thinned: every is {every!r}; allowed: a whole number from 1 to {ticks}")

@@ -1,4 +1,4 @@
-"""What every half second of a recording tells of muscles and other unknowns, along the motion of one fixed belief."""
+"""Information of each half second of a recording on muscles and other unknowns, along one fixed belief's motion."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Blocks:
 
     @property
     def tensions(self) -> int:
-        """How many columns are of tensions."""
+        """Number of columns that are of tensions."""
         return self.nominal.size
 
     def unknowns(self) -> Array:

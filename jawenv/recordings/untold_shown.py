@@ -1,4 +1,4 @@
-"""What is shown of errors that nobody told: the wrench that no muscle pulls, and how left-out poses disagree."""
+"""Signs of errors that nobody told: the wrench that no muscle pulls, and how left-out poses disagree."""
 
 from __future__ import annotations
 

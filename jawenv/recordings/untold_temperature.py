@@ -1,4 +1,4 @@
-"""How much more parts of a recording disagree than their information allows: chi-squared of left-out groups."""
+"""Disagreement of a recording's parts beyond what their information allows: chi-squared of left-out groups."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def groups_of_poses(blocks: Blocks, number: int = TENTHS) -> NDArray[np.intp]:
 
 
 def excess(blocks: Blocks, joint: _Joint, temperature: float) -> float:
-    """By how much chi-squared a degree of freedom exceeds what chance makes, of the worst way to make groups.
+    """Excess of chi-squared a degree of freedom over what chance makes, for the worst way to make groups.
 
     Groups are tenths of the time and of the poses, stretches of ten seconds, halves: what creeps lasts for long.
     """

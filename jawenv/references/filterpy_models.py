@@ -43,7 +43,7 @@ class MotionModel(ABC):
 
     @abstractmethod
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
-        """The readings to expect of x, of those that were ``read`` (12,)."""
+        """The readings to expect of x, where ``read`` (12,) is True."""
 
     @abstractmethod
     def rows_by_motion(self, x: Array) -> Array:
@@ -85,7 +85,7 @@ class CompiledModel(MotionModel):
         self.total = self.scratch["total"]
 
     def moved(self, x: Array) -> Array:
-        """As ``MotionModel.moved``."""
+        """The state (s,) a tick after x, by the compiled ``propagate``."""
         record, moved = self.record, x.copy()
         set_muscles(record.jaw, x, self.n, self.scratch["muscles"])
         samples, trend = record.samples[self.tick], self.trends[self.tick]
@@ -93,12 +93,12 @@ class CompiledModel(MotionModel):
         return moved
 
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
-        """As ``MotionModel.expected``."""
+        """The readings to expect of x, where ``read`` (12,) is True, by the compiled ``expect``."""
         expect(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
         return self.scratch["expected"][read].copy()  # type: ignore[no-any-return]
 
     def rows_by_motion(self, x: Array) -> Array:
-        """As ``MotionModel.rows_by_motion``."""
+        """Derivative (12, n) of all readings by the motion, by the compiled ``expect``."""
         expect(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
         return self.scratch["rows"]  # type: ignore[no-any-return]
 
@@ -107,15 +107,15 @@ class NumpyModel(MotionModel):
     """The independent model of ``numpy_model``, for midline jaws: no compiled code, derivatives by complex step."""
 
     def moved(self, x: Array) -> Array:
-        """As ``MotionModel.moved``."""
+        """The state (s,) a tick after x, by ``step_with_derivative``."""
         record, tick = self.record, self.tick
         motion, self.total = step_with_derivative(record.jaw, x, record.samples[tick], self.trends[tick], record.dt)
         return np.concatenate([motion, x[self.n :]])
 
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
-        """As ``MotionModel.expected``."""
+        """The readings to expect of x, where ``read`` (12,) is True, by ``measurement``."""
         return measurement(self.record.jaw, x[: self.n])[read]
 
     def rows_by_motion(self, x: Array) -> Array:
-        """As ``MotionModel.rows_by_motion``."""
+        """Derivative (12, n) of all readings by the motion, by ``measurement_with_derivative``."""
         return measurement_with_derivative(self.record.jaw, x[: self.n])[1]

@@ -216,7 +216,7 @@ def filter_at(run: Arguments, tick, parameters):
 
 @njit
 def log_likelihood(update: UpdateScratch):
-    """Of the innovation that was taken last, but for a constant; ``factor`` has the inverse of L's diagonal."""
+    """Log-likelihood of the last innovation, but for a constant; ``factor`` has the inverse of L's diagonal."""
     value = 0.0
     for i in range(N_MEASUREMENTS):
         value += log(update.factor[i, i]) - 0.5 * update.whitened_innovation[i] ** 2

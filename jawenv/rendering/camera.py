@@ -42,7 +42,7 @@ class Camera:
 
 
 def side_camera(box: Box, planar: bool) -> Camera:
-    """From the patient's right, turned a little to the front so that the far side shows, unless all is in one plane."""
+    """Camera at the patient's right, turned a little to the front to show the far side, unless all is in one plane."""
     turn = 0.0 if planar else _SIDE_TURN
     c, s = np.cos(turn), np.sin(turn)
     x, y, width, height = box

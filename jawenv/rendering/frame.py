@@ -62,7 +62,7 @@ def _view(card: Box) -> Box:
 
 
 def _legend(card: Box) -> tuple[float, float]:
-    """Where the legend below the picture of the jaw begins."""
+    """Place where the legend below the picture of the jaw begins."""
     return card[0] + 16, card[1] + card[3] - 24
 
 

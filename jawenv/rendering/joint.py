@@ -1,4 +1,4 @@
-"""How the two parameters of a muscle hang together: the ellipse of their posterior inside that of the prior."""
+"""Joint posterior of the two parameters of a muscle: its ellipse inside that of the prior."""
 
 from __future__ import annotations
 

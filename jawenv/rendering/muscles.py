@@ -52,12 +52,12 @@ def _side_at(origin: Array, insertion: Array, planar: bool) -> str:
 
 
 def layer_of(scene: Scene, line: int) -> str:
-    """How deep a line runs, see `_layer_at`."""
+    """Layer in which a line runs, see `_layer_at`."""
     return _layer_at(1000 * scene.muscle_origin_m[line])
 
 
 def _layer_at(origin_mm: Array) -> str:
-    """How deep a line from an origin runs: `high` under the arch, `inner` behind the ramus, `outer` on top of it."""
+    """Layer of a line from an origin: `high` under the arch, `inner` behind the ramus, `outer` on top of it."""
     _, y, z = origin_mm
     if z > _HIGH_MM:
         return "high"

@@ -24,7 +24,7 @@ _PARAMETERS = ("log_F_o", "log_b")
 
 @dataclass(frozen=True)
 class SdScale:
-    """Where the bars of standard deviations begin, and how long the longest is."""
+    """Scale of the bars of standard deviations: where they begin, and how long the longest is."""
 
     left: float
     width: float

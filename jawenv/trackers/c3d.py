@@ -32,7 +32,7 @@ COUNTED = 65_535
 
 @dataclass(frozen=True)
 class Processor:
-    """How the numbers of a file are written."""
+    """Form in which the numbers of a file are written."""
 
     order: str  # of the bytes, ``<`` or ``>``
     dec: bool = False  # whether floats are those of a VAX
@@ -107,7 +107,7 @@ def _tracks(content: bytes, path: Path, unit: str | None) -> Tracks:
 
 
 def _frames(stated: Mapping[str, list[Any]], counted: int) -> int:
-    """How many frames the file states; ``COUNTED`` or more where it cannot say."""
+    """Number of frames that the file states; ``COUNTED`` or more where it cannot say."""
     ends = [stated.get(f"TRIAL:ACTUAL_{end}_FIELD", []) for end in ("START", "END")]
     if all(len(words) == 2 for words in ends):
         begin, end = (int(low) % 2**16 + 2**16 * (int(high) % 2**16) for low, high in ends)
@@ -145,7 +145,7 @@ def _one(stated: Mapping[str, list[Any]], name: str, default: Any) -> Any:
 
 
 def _several(stated: Mapping[str, list[Any]], name: str) -> list[str]:
-    """Texts of a parameter, and of those that go on with it: LABELS, LABELS2, LABELS3 ..."""
+    """Texts of a parameter, and of all that go on with it: LABELS, LABELS2, LABELS3 ..."""
     texts, number = list(stated.get(name, [])), 2
     while f"{name}{number}" in stated:
         texts += stated[f"{name}{number}"]

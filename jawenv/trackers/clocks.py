@@ -29,7 +29,7 @@ LARGEST_SD_S = 0.002
 
 @dataclass(frozen=True)
 class Offset:
-    """What the other clock shows when the first shows 0."""
+    """Reading of the other clock when the first shows 0."""
 
     seconds: float  # of the other clock
     sd_s: float  # standard error, of a pure delay and the residual's own memory
@@ -88,7 +88,7 @@ def _correlation(first: Array, second: Array) -> float:
 
 
 def _peak(found: Array, best: int) -> float:
-    """Where the parabola through three correlations has its top, in steps from the middle one."""
+    """Top of the parabola through three correlations, in steps from the middle one."""
     if not 0 < best < len(found) - 1:
         return 0.0
     before, here, after = found[best - 1 : best + 2]

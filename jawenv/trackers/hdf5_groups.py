@@ -56,7 +56,7 @@ def limit() -> None:
 
 
 def _groups_of(h5py: Any, file: Any, largest: int, arrays: list[Any]) -> list[dict[str, Any]]:
-    """What is known of each group with translations or rotations; those that have both go to ``arrays``."""
+    """Facts about each group with translations or rotations; the arrays of a group with both go to ``arrays``."""
     found: list[dict[str, Any]] = []
     left = largest
     for name in file:

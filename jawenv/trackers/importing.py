@@ -1,4 +1,4 @@
-"""From a tracker's file and a force file to a recording, or to a file of another format."""
+"""Conversion of a tracker's file and a force file to a recording, or to a file of another format."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ WRITERS: dict[str, Callable[[Tracks, Path], None]] = {
 
 @dataclass(frozen=True)
 class ImportSettings:
-    """How a tracker's file is read."""
+    """Settings for reading a tracker's file."""
 
     forces: Path | None = None  # file with the load cell's columns; None where the tracker's file has them
     landmarks: Path | None = None  # file with the three dental landmarks; None for a file that is in head axes already

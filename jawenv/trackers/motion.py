@@ -12,7 +12,7 @@ BODY = "jaw"
 
 
 def encoder_columns(tracks: Tracks) -> dict[str, Array]:
-    """The columns of place (mm) and angles (deg) of a recording, by name; those that move most in opening first."""
+    """The columns of place (mm) and angles (deg) of a recording, by name; the most moved in opening first."""
     turned = tracks.rotations[BODY]
     seen = np.isfinite(turned).all(axis=(1, 2))
     angles = np.full((len(turned), 3), np.nan)

@@ -1,4 +1,4 @@
-"""From a tracker's axes to those of the head: rigid bodies of markers, and three dental landmarks."""
+"""Conversion of a tracker's axes to those of the head: rigid bodies of markers, and three dental landmarks."""
 
 from __future__ import annotations
 

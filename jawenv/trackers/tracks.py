@@ -69,7 +69,7 @@ class Tracks:
                 raise InputError(f"{self.path}: rotations of {shown(name)} mirror or scale; allowed: proper rotations")
 
     def beside(self, name: str) -> Tracks:
-        """What is in the frame of a point or body, turned to forward, left and up where the file states its axes."""
+        """Tracks in the frame of a point or body, turned to forward, left and up where the file states its axes."""
         axes = self.axes.get(name, np.eye(3))
         names = [one for one in self.places if self.frames.get(one) == self.frames.get(name)]
         return replace(
@@ -85,7 +85,7 @@ def is_rate(value: object) -> bool:
 
 
 def distinct(labels: Sequence[str]) -> list[str]:
-    """Labels, with a number behind those that stand there several times."""
+    """Labels, with a number behind each that stands there several times."""
     times, met = Counter(labels), Counter[str]()
     told = []
     for label in labels:

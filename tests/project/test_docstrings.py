@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ("eval",)
-"""Those that are held to it so far."""
+ROOMS = ("eval", "jawenv", "agents", "training", "research")
+"""Folders that are held to it."""
 TURNED_ROUND = {
     "a clause for a noun": r"^(Which|What|How|Who|Whose|When|Where)\b",
     "no subject": r"^(Of|As|From|In|On|At|By|With|Without|After|Before|For)\b",

@@ -152,6 +152,6 @@ class Upkeep(BaseCallback):
         log_std.fill_(first + min(1.0, self.model.num_timesteps / self._config.steps) * (last - first))
 
     def _keep_price(self) -> None:
-        """As a plain attribute it is saved with the model."""
+        """Keep the price of discomfort as a plain attribute of the model, which is saved with it."""
         if self._multiplier is not None:
             self.model.comfort_multiplier = self._multiplier.value  # type: ignore[attr-defined]

@@ -35,7 +35,7 @@ Algorithm = Literal["ppo", "recurrent_ppo", "sac", "tqc", "apg"]
 
 
 class EnvConfig(InputModel):
-    """Which environment is trained on; ``kwargs`` go to `gymnasium.make_vec` as they are."""
+    """Environment that is trained on; ``kwargs`` go to `gymnasium.make_vec` as they are."""
 
     id: str = DEFAULT_ENV
     kwargs: dict[str, JsonValue] = {}
@@ -99,7 +99,7 @@ class EvaluationConfig(InputModel):
 
 
 class CheckpointConfig(InputModel):
-    """How often the model is saved, and how many of the latest checkpoints are kept."""
+    """Saving of the model: how often, and how many of the latest checkpoints are kept."""
 
     every_steps: PositiveInt = 200_000
     keep: PositiveInt = 5
@@ -156,7 +156,7 @@ class TrainingConfig(InputModel):
         return self.model_dump(mode="json", exclude=set(get_args(Algorithm)) - {self.algorithm})
 
     def changed(self, **values: Any) -> TrainingConfig:
-        """The same run with some values replaced, in mappings those that are named; None leaves a value as it is."""
+        """The same run with some values replaced, in mappings the named ones; None leaves a value as it is."""
         return validate(TrainingConfig, _replaced(self.as_mapping(), values), "changed configuration")
 
     def save(self, path: Path) -> None:

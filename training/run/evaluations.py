@@ -1,4 +1,4 @@
-"""How good a policy is on a fixed cohort of patients, again and again during a training; the best is kept."""
+"""Evaluation of a policy on a fixed cohort of patients, again and again during a training; the best is kept."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def evaluate(
 
 
 class _PolicyScore(NamedTuple):
-    """How good a policy is; the larger the better."""
+    """Score of a policy; the larger the better."""
 
     comfortable: bool  # whether the discomfort is within the limit, if there is one
     value: float  # mean return; minus the discomfort of a policy that exceeds the limit

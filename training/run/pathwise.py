@@ -74,7 +74,7 @@ class APG(OnPolicyAlgorithm):
             first.weight.register_hook(lambda gradient: gradient * self._seen)
 
     def _excluded_save_params(self) -> list[str]:
-        """What a checkpoint is without: worlds, and the graph of the last episode."""
+        """Names that a checkpoint is without: worlds, and the graph of the last episode."""
         return [*super()._excluded_save_params(), "_simulation", "_base", "_seen", "_worst", "_discomfort", "priced"]
 
     def collect_rollouts(

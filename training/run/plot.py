@@ -28,7 +28,7 @@ _SEED = re.compile(r"-seed\d+$")
 
 
 def draw(runs: Sequence[Path], output: Path) -> Path:
-    """Draw the curves of some runs; those that differ in ``-seedK`` alone become one, with its mean and interval.
+    """Draw the curves of some runs; runs that differ in ``-seedK`` alone become one, with its mean and interval.
 
     Args:
         runs: run folders.

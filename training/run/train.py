@@ -292,7 +292,7 @@ class TrainingSession:
 
 
 def _whole_updates(model: Any, from_step: int, steps: int) -> int:
-    """Where a run ends that is to have so many steps: stable-baselines3 steps all worlds before each update."""
+    """Step at which a run of so many steps ends: stable-baselines3 steps all worlds before each update."""
     update: int = model.n_envs * (model.n_steps if isinstance(model, OnPolicyAlgorithm) else 1)
     return from_step + -(-(steps - from_step) // update) * update
 

@@ -117,7 +117,7 @@ def _run_trial(study: optuna.Study, trial: Trial, config: TrainingConfig, folder
 
 
 def _value(config: TrainingConfig, row: dict[str, float]) -> float:
-    """How good an evaluation is: its mean return, less the price of discomfort above the limit if there is one."""
+    """Value of an evaluation: its mean return, less the price of discomfort above the limit if there is one."""
     if config.comfort is None:
         return row["return"]
     excess = max(0.0, row["discomfort_s"] - config.comfort.target_discomfort_s)

@@ -1,4 +1,4 @@
-"""How well the twin agrees with the environment and its filter, on patients and maneuvers."""
+"""Agreement of the twin with the environment and its filter, on patients and maneuvers."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
 
 @dataclass(frozen=True)
 class Agreement:
-    """What environment and twin say of N patients."""
+    """Figures of environment and twin for N patients."""
 
     maneuver: NDArray[np.intp]  # (N,) index of the _perturbed maneuver in ``MANEUVERS``
     worst: NDArray[Any]  # (2, N) log of the largest sd, of the environment's filter and of the twin
@@ -46,7 +46,7 @@ class Agreement:
     discomfort_s: NDArray[Any]  # (2, N) in 10 s
 
     def correlation(self) -> float:
-        """Of ``worst``."""
+        """Correlation between the two rows of ``worst``."""
         return float(np.corrcoef(*self.worst)[0, 1])
 
     def scatter_without_error(self) -> float:

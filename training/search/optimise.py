@@ -82,7 +82,7 @@ class Knots:
 
 
 def length_s(maneuver: Maneuver) -> float:
-    """How long a maneuver of keyframes lasts before it goes back to rest (s); 0 for one that has other signals."""
+    """Length of a maneuver of keyframes until it goes back to rest (s); 0 for one that has other signals."""
     signals = [maneuver.channels.signal(name) for name in CHANNELS]
     keyframes = [signal for signal in signals if isinstance(signal, Keyframes)]
     last = max((signal.points[-1].t_s for signal in keyframes), default=0.0)

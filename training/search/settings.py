@@ -59,7 +59,7 @@ def takes(kind: type) -> Callable[[Callable[..., int]], Callable[..., int]]:
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """What both searches do with their settings."""
+    """Methods that the settings of both searches share."""
 
     def about(self) -> dict[str, Any]:
         """All fields."""

@@ -45,7 +45,7 @@ def _rest_on_one_point(truth: Truth, limits: Limits, scratch):
 
 @where(lambda truth: truth.typeof("body").shape[0], otherwise=_rest_on_one_point)
 def rest_on_condyles(truth: Truth, limits: Limits, scratch):
-    """Where a world has a body: move the jaw to its rest on two condyles; False when that is not in reach."""
+    """Move the jaw of a world with a body to its rest on two condyles; False when that is out of reach."""
     jaw = truth.jaw
     put_on_fossa(jaw, truth.state, truth.body)
     no_wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

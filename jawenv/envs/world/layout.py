@@ -33,7 +33,7 @@ TARGET_SCALE = 0.01
 
 
 def observation_layout(n_parameters: int = 12, asked: bool = False) -> dict[str, slice]:
-    """Where each part of the flat observation lies, in a model with so many parameters: name -> slice.
+    """Slices of the parts of the flat observation, in a model with so many parameters: name -> slice.
 
     Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) end it.
     """
@@ -58,7 +58,7 @@ def layouts() -> dict[int, tuple[int, bool]]:
 
 
 def parameters_of(size: int) -> int:
-    """How many parameters an observation of this length belongs to."""
+    """Number of parameters that an observation of this length belongs to."""
     if size not in layouts():
         raise InputError(f"an observation has {size} values; allowed: {', '.join(map(str, sorted(layouts())))}")
     return layouts()[size][0]

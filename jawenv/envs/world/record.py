@@ -35,7 +35,7 @@ N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 
 
 class Truth:
-    """What only the simulation knows: the patient, the motion, what sensors add, and judgements by these."""
+    """State that only the simulation knows: the patient, the motion, what sensors add, and judgements by these."""
 
     jaw: Jaw
     log_parameters: Annotated[Array, "parameters"]
@@ -84,7 +84,7 @@ def truth_dtype(n_muscles: int, n_lines: int, n_body: int, n_nuisances: int, n_b
 
 
 class Known:
-    """What the device knows: its clock and motors, the clinician's limits, its readings and its belief."""
+    """State that the device knows: its clock and motors, the clinician's limits, its readings and its belief."""
 
     tick: int
     limits: Limits
@@ -137,7 +137,7 @@ def world_dtype(
 
 
 class Control:
-    """How the device is commanded, for all worlds of an environment."""
+    """Settings of the device's control, for all worlds of an environment."""
 
     servo: bool  # whether servos hold the motors
     targets: bool  # whether the action is the channels' targets
@@ -146,7 +146,7 @@ class Control:
 
 
 class Settings:
-    """What all worlds of an environment share."""
+    """Settings that all worlds of an environment share."""
 
     filter: FilterSettings
     control: Control

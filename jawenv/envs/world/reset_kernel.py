@@ -1,4 +1,4 @@
-"""How an episode begins: the relaxed jaw at rest, the patient's comfort limits, the prior belief."""
+"""Beginning of an episode: the relaxed jaw at rest, the patient's comfort limits, the prior belief."""
 
 from __future__ import annotations
 

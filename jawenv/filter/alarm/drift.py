@@ -43,7 +43,7 @@ def _squared_distance(drift: Drift, k, mean):
 
 @njit
 def judge_drift(belief: Belief):
-    """Judge the belief by those that are kept, where enough was read since the last time, and keep it in its turn."""
+    """Judge the belief by the kept ones, where enough was read since the last time, and keep it in its turn."""
     drift = belief.drift
     if belief.readings < drift.judged + EVERY:
         return

@@ -1,4 +1,4 @@
-"""From the information about tension coefficients to a belief about the natural-log parameters.
+"""The belief about the natural-log parameters, made from the information about tension coefficients.
 
 Given are the prior N(theta_0, P_0) and the record's log-likelihood in the coefficients c of ``basis``,
 quadratic with matrix Lambda and maximum where Lambda (c - c_nominal) = score. The posterior of theta is not normal,

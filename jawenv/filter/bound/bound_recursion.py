@@ -1,4 +1,4 @@
-"""The bound's recursion over one tick along a known motion, with all that is not known exactly beside the muscles.
+"""The bound's recursion over one tick along a known motion, with all that is uncertain beside the muscles.
 
 State: motion (n); the unmodelled wrench where it has memory (6, ``disturbance``); nuisances in prior sds (q,
 ``nuisances``); natural logs of F_o and b per muscle; the load cell's relative gain error (1). Where anatomy and device
@@ -122,7 +122,7 @@ def _extend_total(motion_total, decay, parameters, total):
 
 @njit
 def read_bound(jaw: Jaw, motion, covariance, used, settings: FilterSettings, scratch: BoundScratch):
-    """At the readings of the end of a tick, of the true ``motion``."""
+    """Take the readings of the end of a tick, of the true ``motion``, into the covariance."""
     joint, recursion = scratch.joint, scratch.recursion
     expect(jaw, motion, joint.rows, joint.expected)
     recursion.rows[:, :] = 0.0

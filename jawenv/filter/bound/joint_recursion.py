@@ -169,7 +169,7 @@ def update_covariance(jaw: Jaw, state, covariance, variances, used, scratch: Joi
 
 @njit
 def take_rows(covariance, variances, used, scratch: Recursion):
-    """As ``update_covariance``, for the derivative of the readings in ``scratch.rows``."""
+    """Measurement update of the covariance alone, by the derivative of the readings in ``scratch.rows``."""
     rows, factor, whitened, gains = scratch.rows, scratch.factor, scratch.whitened, scratch.gains
     size, n_read = covariance.shape[0], rows.shape[1]
     for i in range(N_MEASUREMENTS):

@@ -47,7 +47,7 @@ def at_mouthpiece(jaw: Jaw, q, x, y, turn):
 
 @njit
 def set_balanced(jaw: Jaw, muscles, pose, u, reading, balanced):
-    """Into ``balanced`` (6) the ``reading`` (6) less what it leaves over of a jaw at ``pose`` that does not accelerate.
+    """Set ``balanced`` (6) to the ``reading`` (6) less what it leaves over of a jaw at ``pose`` without acceleration.
 
     A load cell reads within milliseconds what servo, brake or stop answer to the true motion, so that even a reading of
     ticks before is correlated with the error of the filtered motion. What a motion of the past needs is not.

@@ -60,7 +60,7 @@ def measure(jaw: Jaw, state, rows, expected):
 
 @njit
 def measure_body(jaw: Jaw, state, rows, expected):
-    """As ``measure``, for the twelve states of a jaw with two condyles: ``rows`` (12, 12)."""
+    """Expected measurements (12) and their derivatives by the twelve states of two condyles, into ``rows`` (12, 12)."""
     q, u = split_body(state)
     pose = midline_pose(q)
     body_to_head = rotation(pose)

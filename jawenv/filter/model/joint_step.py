@@ -194,7 +194,7 @@ def _move_derivative(stage, h, scratch: Sensitivity):
 
 @njit
 def propagate_in(jaw: Jaw, muscles, state, cell, dt, parts, scratch: Sensitivity):
-    """As ``propagate``, with the step divided into ``parts``, whatever the state; ``cell``: (samples, trend, gain)."""
+    """Do what ``propagate`` does in so many ``parts``, whatever the state; ``cell``: (samples, trend, gain)."""
     _set_identity(scratch.total)
     h = dt / parts
     for part in range(parts):

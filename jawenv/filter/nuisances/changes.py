@@ -196,7 +196,7 @@ def _all_readings(settings):
 
 @where(_has_memory, otherwise=_all_readings)
 def _readings_of_nuisances(settings: FilterSettings):
-    """How many of the readings a nuisance changes: those of the pose alone where ``is_apart``."""
+    """Number of the readings that a nuisance changes: those of the pose alone where ``is_apart``."""
     return N_POSE
 
 

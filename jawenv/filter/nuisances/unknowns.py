@@ -168,12 +168,12 @@ def _normals(values: Array, generator: np.random.Generator) -> Array:
 
 
 def along(values: Values, direction: Values) -> float:
-    """How far values are along one of ``directions``, in sds."""
+    """Distance of values along one of ``directions``, in sds."""
     return float(sum(np.vdot(value, direction[name]) for name, value in values.items()))
 
 
 def changed_jaw(jaw: Any, knowledge: Knowledge, muscles: MuscleSet, values: Values) -> Any:
-    """A copy of the record ``jaw`` with its numbers at ``values``, about those that it has."""
+    """A copy of the record ``jaw`` with its numbers moved by ``values``, in sds of ``knowledge``."""
     changed = jaw.copy()
     for unknown in UNKNOWNS:
         if unknown.change is not None:

@@ -70,14 +70,14 @@ def speed_of(jaw: Jaw, motion):
 
 @njit
 def _carried_force(jaw: Jaw, belief: Belief):
-    """What the device and gravity pull at the jaw, N."""
+    """Sum of the device's and gravity's pull at the jaw, N."""
     trend = belief.trend
     return sqrt(trend[0] * trend[0] + trend[1] * trend[1] + trend[2] * trend[2]) + jaw.mass * -jaw.gravity[2]
 
 
 @njit
 def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
-    """What a tick's readings count for as information.
+    """Weight of a tick's readings as information.
 
     What is wrong in the model is so large a share of the force that is carried, and alike within ``ALIKE``. n ticks
     there with white noise of variance r tell n / (r + n s) of the force, with s the error's variance, in place of n /

@@ -1,4 +1,4 @@
-"""Which readings the filter uses: one that is missing, out of range, or of a frozen sensor, is left out.
+"""Choice of the readings that the filter uses: one missing, out of range, or of a frozen sensor, is left out.
 
 A sensor with noise and without steps never shows the same number twice: a repetition is a frozen sensor. One that
 rounds to steps repeats itself by chance, and while nothing moves. So the step is learnt, as the largest of which all

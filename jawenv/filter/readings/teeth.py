@@ -1,4 +1,4 @@
-"""How near the teeth are, as believed and as read, and what nobody knows of their force."""
+"""Nearness of the teeth, as believed and as read, and what nobody knows of their force."""
 
 from __future__ import annotations
 

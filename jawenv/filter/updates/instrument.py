@@ -33,7 +33,7 @@ FIRST_READINGS = 160  # a window's end, at which they are filtered again (``tick
 
 
 class Instrument:
-    """What the past alone predicts."""
+    """Prediction from the past alone."""
 
     motion: Annotated[Array, "states"]  # at the end of the tick
     held: Annotated[Array, N_SAMPLES, N_WRENCH]  # the smoothed reading as samples of this tick

@@ -126,7 +126,7 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
 
 @njit
 def set_balanced_trend(jaw: Jaw, belief: Belief, pose, scratch: TimeScratch):
-    """Into ``scratch.trend`` (6) the load cell's trend; with one reference point the one that the pose needs.
+    """Set ``scratch.trend`` (6) to the load cell's trend; with one reference point to the trend that the pose needs.
 
     Where damping is unknown as well, that of the motion.
     """
@@ -153,7 +153,7 @@ def set_inertia_column(jaw: Jaw, belief: Belief, pose, dt, scratch: TimeScratch)
 
 @njit
 def _rate_of(before, after, dt):
-    """What five numbers change by in a second, from those ``before`` to those ``after`` ``dt``."""
+    """Change of five numbers in a second, from ``before`` to ``after``, ``dt`` (s) later."""
     return (
         (after[0] - before[0]) / dt,
         (after[1] - before[1]) / dt,

@@ -310,7 +310,7 @@ class Prbs(Signal):
 
 
 def _sampled_bounds(amplitude: Array, omega: Array, phase: Array) -> Bounds:
-    """Of a sum of sines within `LONGEST_S`, about 1 % of the quickest one too narrow at most."""
+    """Bounds of a sum of sines within `LONGEST_S`, about 1 % of the quickest one too narrow at most."""
     size = float(np.abs(amplitude).sum())
     if len(amplitude) == 1 or not 0.0 < size < np.inf:
         return -size, size
@@ -323,7 +323,7 @@ def _sampled_bounds(amplitude: Array, omega: Array, phase: Array) -> Bounds:
 
 
 def _peak(values: Array) -> float:
-    """Of a parabola through the greatest of the values and its neighbours."""
+    """Peak of a parabola through the greatest of the values and its neighbours."""
     k = int(np.clip(values.argmax(), 1, len(values) - 2))
     before, at, after = values[k - 1 : k + 2].tolist()
     bend = before - 2.0 * at + after

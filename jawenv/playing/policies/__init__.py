@@ -1,1 +1,1 @@
-"""Trained policies: their cards, plain weights in NumPy, and those that come with jawenv, in ``shipped``."""
+"""Trained policies: their cards, plain weights in NumPy, and the policies that come with jawenv, in ``shipped``."""

@@ -33,7 +33,7 @@ PositiveNumber = Annotated[Number, Field(gt=0.0)]
 
 
 class Environment(InputModel):
-    """Where the policy was trained."""
+    """Environment in which the policy was trained."""
 
     id: Text  # Gymnasium's id
     control: Control  # control mode, the meaning of an action
@@ -46,7 +46,7 @@ class Environment(InputModel):
 
     @classmethod
     def of(cls, world: Configuration) -> Self:
-        """Where a policy was trained, with the content of the files that the world was given."""
+        """Environment in which a policy was trained, with the content of the files that the world was given."""
         stated = ("control", "control_hz", "sensors", "reward", "episode_s")
         others = world.arguments
         others.pop("plant", None)  # a policy plays any jaw, and a card names no code
