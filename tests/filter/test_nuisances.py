@@ -203,7 +203,8 @@ def test_a_wrench_that_no_muscle_pulls_is_marginalised_honestly():
     """Beside all that a scan leaves uncertain: its thirty numbers are drawn, and the filter follows what they do."""
     envs, info = play("bench", 24, 10, 990_000)
     assert 0.7 < np.mean(info["nees"]) / 12 < 1.3
-    truth, belief = envs.unwrapped.worlds["truth"], envs.unwrapped.worlds["known"]["belief"]
+    worlds = envs.unwrapped.simulation.worlds
+    truth, belief = worlds["truth"], worlds["known"]["belief"]
     assert np.std(truth["cell_offset"][:, 6:9]) == pytest.approx(0.1, rel=0.3)
     drawn = np.any(envs.unwrapped.simulation.settings["filter"]["nuisances"]["offset"][0][:, 6:] != 0.0, axis=1)
     assert np.corrcoef(belief["nuisances"][:, drawn].ravel(), truth["nuisances"][:, drawn].ravel())[0, 1] > 0.3
