@@ -121,7 +121,7 @@ def test_nothing_is_known_at_the_start(three):
         subject = page.Subject.simulated(entry, Person("1", 5200), Course(), 30.0)
         text = words_of(page.render(subject, [unknown], about, show_truth=False))
         assert "Nothing can be said about any of the six closing muscles yet." in text
-        said = "its error bars are above half of what was assumed before"
+        said = "the error bars say little more than before"
         assert text.count(said) == len(MUSCLE_NAMES) and "probability above" not in text
 
 
