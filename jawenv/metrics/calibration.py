@@ -51,7 +51,7 @@ def alarm_rings(misfit: Array) -> npt.NDArray[np.bool_]:
     return rings
 
 
-YELLOW = 0.6
+YELLOW = 0.75
 """Misfit from which an episode is looked at twice: few honest ones are above, many that a small error spoils."""
 
 

@@ -78,5 +78,5 @@ def test_covered_by_hand():
 
 
 def test_the_alarm_has_a_yellow_level_below_the_one_that_rings():
-    said = [alarm_word(misfit) for misfit in (0.0, 0.6, 0.61, 1.0, 1.01, np.inf, np.nan)]
+    said = [alarm_word(misfit) for misfit in (0.0, 0.75, 0.76, 1.0, 1.01, np.inf, np.nan)]
     assert said == ["silent", "silent", "yellow", "yellow", "rings", "rings", "rings"]
