@@ -8,6 +8,7 @@ patients of each cohort. Relaxed by a drug means: without tone, lying on the bac
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import replace
 
 import numpy as np
@@ -69,6 +70,7 @@ def rows() -> list[tuple[str, str, str, str]]:
 
 def main() -> None:
     """Print the table in Markdown."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     print("| what | simulated, mean ± sd | measured | source (grade) |\n|---|---|---|---|")
     for row in rows():
         print("| " + " | ".join(row) + " |", flush=True)

@@ -62,7 +62,7 @@ class Recording:
     comfort: Array  # (N, T+1, L) used fraction of each soft limit
     governor: Array  # (N, T+1) share of the device ticks of that step in which the governor acted
     violation: Mask  # (N, T+1) bool, a hard limit was crossed in that step
-    misfit: Array  # (N, T+1) the filter's alarm, the largest so far: above 1 the readings do not fit the model
+    misfit: Array  # (N, T+1) the filter's alarm, judged anew where readings are filtered again; it rings above 1
     valid: Mask  # (N, T+1) bool, False after the episode has ended
     terminated: Mask  # (N,) bool, the episode ended before its time limit
     asked: Mask  # (N, P) bool, the parameters of the muscles that are asked for: all by default

@@ -175,7 +175,7 @@ ARGUMENTS = [
     ({"reward": "nats"}, "reward is 'nats'; allowed: uncertainty, bound, score, worst, mixed"),
     (
         {"cohort": "cats"},
-        "cohort is 'cats'; allowed: trismus, healthy, severe, one_sided, patchy, blockage, wide, "
+        "cohort is 'cats'; allowed: trismus, healthy, severe, one_sided, patchy, blockage, wide, anyone, "
         "or a file (.json, .toml, .yaml, .yml)",
     ),
     ({"cohort": 5}, "cohort is 5; allowed: a name, a Cohort, a mapping of its fields, or a file"),

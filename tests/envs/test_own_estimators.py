@@ -19,7 +19,7 @@ class Replayed:
     """The environments' filter, through the protocol."""
 
     def __init__(self, every):
-        self.filter = jawenv.OnlineFilter(every=every)
+        self.filter = jawenv.OnlineFilter(cohort="trismus", every=every)
 
     def reset(self, start):
         self.filter.reset(start.start_mean)

@@ -70,8 +70,8 @@ def test_the_alarm_is_recorded_and_rings_where_the_readings_do_not_fit():
         play(jawenv.Player("refined"), patients=4, seed=5, env_kwargs=kwargs | {"reality": reality})
         for reality in (None, {"fossa_error": 0.2})
     )
-    # Where the readings are filtered again, they are judged again: it may fall a little.
-    assert (misled.misfit[:, -1] >= 0.5 * misled.misfit.max(axis=1)).all()
+    # Where the readings are filtered again, they are judged again, and what the old belief claimed is forgotten.
+    assert (misled.misfit[:, -1] >= 0.25 * misled.misfit.max(axis=1)).all()
     assert not jawenv.score(honest).rings.any() and jawenv.score(honest).misfit.min() > 0.0
     assert jawenv.score(misled).rings.mean() >= 0.5 and "do not fit the model" in jawenv.score(misled).alarm
 

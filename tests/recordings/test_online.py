@@ -83,7 +83,7 @@ def test_what_is_unknown_beside_the_muscles_gives_the_environments_belief_to_the
     _, info = env.reset(seed=5000)
     infos = [info] + [env.step(0.5 * np.sin(np.arange(4.0) + k))[4] for k in range(20)]
     rows = env.simulation.ticks[0]
-    online = OnlineFilter(**told, every=20)
+    online = OnlineFilter(**told, cohort="trismus", every=20)
     online.reset(rows["believed"][0])
     beliefs = fed(online, rows["measured"][:401], rows["samples"][1:401])
     same(beliefs, [info["belief_mean"] for info in infos], [info["belief_cov"] for info in infos], 20)
@@ -96,7 +96,7 @@ def test_a_geometry_of_ones_own():
     own = build_jaw(mandible=replace(default_mandible(), mass_kg=0.4), head_tilt_deg=5.0)
     beliefs = []
     for jaw in (own, record.jaw):
-        online = OnlineFilter(jaw=jaw)
+        online = OnlineFilter(jaw=jaw, cohort="trismus")
         online.reset(record.start_mean)
         beliefs.append(fed(online, record.measured, record.samples)[-1].log_mean)
         np.testing.assert_array_equal(beliefs[-1], TensionFilter().estimate(replace(record, jaw=jaw)).mean[-1])
@@ -181,7 +181,7 @@ def test_5000_updates_take_no_memory():
 def test_a_belief_in_units_of_the_parameters():
     """Mean and sd of lognormal distributions, as SciPy has them."""
     cov = np.array([[0.09, 0.02], [0.02, 0.25]])
-    belief = OnlineBelief(("log_F_o/a", "log_b/a"), 0.0, np.log([2.0, 7.0]), cov, 0.0, 0, 0)
+    belief = OnlineBelief(("log_F_o/a", "log_b/a"), 0.0, np.log([2.0, 7.0]), cov, 0.0, 0, 0, 0)
     expected = lognorm(s=[0.3, 0.5], scale=[2.0, 7.0])
     np.testing.assert_allclose(belief.log_sd, [0.3, 0.5])
     np.testing.assert_allclose(belief.mean, expected.mean())
