@@ -25,6 +25,10 @@ HEADER = ",".join(["time_s", "mouthpiece_x_mm", "pitch_deg", *(column.name for c
 ROWS = ["0,80,0,1,2,3,0.1,0.2,0.3", "0.01,81,,2,2,3,0.1,0.2,0.3", "0.02,82,2,3,2,3,0.1,0.2,0.3"]
 
 
+EXACT = ("bilateral", "sagittal")
+"""Models whose anatomy is known and whose force a cell reads."""
+
+
 def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.0) -> Record:
     """A record of numbers without any meaning, some of them not read."""
     rng = np.random.default_rng(seed)
@@ -48,11 +52,11 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
         prior=cohort("wide", rung.muscles).prior,
         parameter_names=names,
         knowledge=jawenv.Knowledge(mass=0.1, cell_deg=0.5)
-        if seed % 3 == 1 and model != "bilateral"
+        if seed % 3 == 1 and model not in EXACT
         else jawenv.Knowledge(),
         disturbance_time_s=0.5 * (seed % 3),
         disturbance_sd=rng.random(6) * min(seed % 3, 1),
-        force_sensor="motors" if seed % 4 == 3 and model != "bilateral" else "cell",
+        force_sensor="motors" if seed % 4 == 3 and model not in EXACT else "cell",
         device=jawenv.Device(servo_stiffness_N_m=float(rng.uniform(100.0, 5000.0))) if seed % 2 else None,
         control="trajectory" if seed % 4 == 1 else "force",
         truth=rng.normal(size=len(names)),
