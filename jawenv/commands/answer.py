@@ -16,11 +16,12 @@ from jawenv.ladder import MODELS
 from jawenv.metrics.calibration import alarm_word
 from jawenv.metrics.verdicts import WITHHELD, Verdict, verdicts
 from jawenv.recordings import defaults
-from jawenv.recordings.identification import Identification, identified
+from jawenv.recordings.identification import LEAST_S, Identification, identified
 from jawenv.recordings.record import Record
 
 UNKNOWN = replace(defaults.UNLABELLED, knowledge="bench")
 """Patient and device of a file that says nothing of them."""
+LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
 IN_WORDS = {"exact": "known exactly", "imaged": "as from a scan", "bench": "as from a scan"}
 
 
@@ -34,14 +35,14 @@ def _cohorts(record: Record) -> dict[str, Cohort]:
     return {name: cohort(name, muscles) for name in COHORTS}
 
 
-def cohort_assumed(record: Record) -> str | None:
+def _cohort_assumed(record: Record) -> str | None:
     """Name of the cohort whose prior a record has; None for a prior of its own."""
     return next((name for name, one in _cohorts(record).items() if _alike(one.prior, record.prior)), None)
 
 
 def assumed_in_words(record: Record) -> str:
     """Patient, anatomy and head as they were assumed."""
-    name = cohort_assumed(record)
+    name = _cohort_assumed(record)
     if name is None:
         patient = "a prior of its own"
     else:
@@ -55,15 +56,26 @@ def assumed_in_words(record: Record) -> str:
     return f"patient: {patient} · anatomy: {known} · head {head}"
 
 
-def fitting_cohort(record: Record) -> str | None:
+def _fitting_cohort(record: Record) -> str | None:
     """Name of the first cohort under whose prior the recording is to be believed; None where none fits."""
     names = sorted(COHORTS, key=lambda name: name != defaults.ANYONE)
-    assumed = cohort_assumed(record)
+    assumed = _cohort_assumed(record)
     others = _cohorts(record)
     for name in names:
         if name != assumed and identified(replace(record, prior=others[name].prior)).believable:
             return name
     return None
+
+
+def doubts_in_words(record: Record, result: Identification) -> list[str]:
+    """Lines that say why the estimates are not to be believed, the patient whom they fit first."""
+    unfit = all(finding.plausible for finding in result.findings) and result.learnt_s >= LEAST_S
+    fits = _fitting_cohort(record) if unfit else None
+    doubts = [f"- {doubt}" for doubt in result.doubts]
+    if fits is None:
+        return [*doubts, f"Look at {LOOK_AT}."]
+    patient = f"{COHORTS[fits].description} (--cohort {fits}), not {_cohort_assumed(record) or 'this prior'}"
+    return [f"- the recording fits {patient}", *doubts, f"Identify it again with --cohort {fits}."]
 
 
 def least_known(record: Record, result: Identification) -> dict[str, Any]:
@@ -114,7 +126,7 @@ def as_mapping(record: Record, result: Identification) -> dict[str, Any]:
         "at_the_priors_edge": at_the_edge(record, result),
         "verdicts": {name: _verdict(verdict) for name, verdict in found},
         "assumed": {
-            "cohort": cohort_assumed(record),
+            "cohort": _cohort_assumed(record),
             "knowledge": {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0},
             "head_tilt_deg": tilt,
             "force_sensor": record.force_sensor,

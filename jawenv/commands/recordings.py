@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.anatomy import COHORTS, MUSCLE_NAMES
+from jawenv.anatomy import MUSCLE_NAMES
 from jawenv.base.errors import InputError, MissingPackageError
 from jawenv.base.files import check_kept, write_text
 from jawenv.commands.answer import (
@@ -18,22 +18,20 @@ from jawenv.commands.answer import (
     as_mapping,
     assumed_in_words,
     at_the_edge,
-    cohort_assumed,
-    fitting_cohort,
+    doubts_in_words,
     judgements,
     least_known,
 )
 from jawenv.metrics.calibration import YELLOW, alarm_word
 from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.files import load_record
-from jawenv.recordings.identification import LEAST_S, Identification, identified
+from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
 
 NOT_BELIEVABLE = 3
 SD_95 = 1.96
 BLOCKS = {"F_o": "pull of the closed jaw F_o, N", "b": "stiffening b, no unit"}
-LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
 
 
 def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: Path | None = None) -> int:
@@ -76,21 +74,9 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
         write_text(answer, json.dumps(as_mapping(record, result), indent=1) + "\n")
         print(f"\nanswer: {answer}")
     if not result.believable:
-        _print_doubts(record, result)
+        print("\nNOT TO BE BELIEVED:", flush=True)
+        print(*doubts_in_words(record, result), sep="\n")
     return 0 if result.believable else NOT_BELIEVABLE
-
-
-def _print_doubts(record: Record, result: Identification) -> None:
-    """Why the estimates are not to be believed, the patient whom they fit first."""
-    print("\nNOT TO BE BELIEVED:", flush=True)
-    unfit = all(finding.plausible for finding in result.findings) and result.learnt_s >= LEAST_S
-    fits = fitting_cohort(record) if unfit else None
-    if fits is not None:
-        assumed = cohort_assumed(record) or "this prior"
-        print(f"- the recording fits {COHORTS[fits].description} (--cohort {fits}), not {assumed}")
-    for doubt in result.doubts:
-        print(f"- {doubt}")
-    print(f"Look at {LOOK_AT}." if fits is None else f"Identify it again with --cohort {fits}.")
 
 
 def check(path: Path, reading: Mapping[str, Any]) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration, configure
+from jawenv.ladder import MODELS
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings import defaults
 from jawenv.recordings.words import OBJECTS, TEXTS
@@ -20,6 +22,9 @@ def given_world(configuration: Configuration, settings: dict[str, Any], header: 
     """The configuration with what the file says in its place, and with the caller's settings in the place of both."""
     rate: dict[str, Any] = {"control_hz": None}  # the control mode's own: a record has no control steps
     words = {*TEXTS, *OBJECTS} - {"jaw", *settings}
+    model = settings.get("model", header.get("model", configuration.model))
+    if isinstance(model, str) and model in MODELS and MODELS[model].plant != "midline":  # of known anatomy
+        configuration = replace(configuration, knowledge="exact")
     try:
         world = configure(rate | {word: header[word] for word in words if word in header}, base=configuration)
     except InputError as error:

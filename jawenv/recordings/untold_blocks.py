@@ -32,6 +32,7 @@ from jawenv.recordings.record import Record
 Array = NDArray[np.float64]
 
 BLOCK_S = 0.5
+MOST_BLOCKS = 600  # of a recording: those of an hour would fill the memory, so they are longer
 WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
 MOST_PASSES, CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
 N_CONSTANT = len(WRENCH_UNITS)
@@ -116,7 +117,8 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     steps[order[-sizes[0] :]] = np.clip(unknowns[1:], -FARTHEST, FARTHEST)
     if sizes[1]:  # beside a disturbance with memory these stay where they are (``learn.recentre``)
         steps[muscles * N_NODES + 1 :][: sizes[0]][nuisances["at_rest"] == 0] = 0.0
-    every, columns = max(1, round(BLOCK_S / record.dt)), len(steps)
+    every = max(1, round(BLOCK_S / record.dt), -(-len(record.samples) // MOST_BLOCKS))
+    columns = len(steps)
     count = len(record.samples) // every
     kept = np.zeros((count, columns, columns)), np.zeros((count, columns)), np.zeros((count, 5))
     _pass_through(jaw, belief, rows, settings, scratch, (mean.copy(), steps), every, kept)

@@ -85,3 +85,14 @@ def test_an_answer_is_no_input(tmp_path, capsys):
     path = without_labels(played("severe", "hold_still", 3.0), tmp_path / "still.csv")
     assert main(["identify", str(path), "--json", str(path)]) == 2
     assert path.exists() and "still.csv" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("model", ["bilateral", "sagittal"])
+def test_a_model_of_known_anatomy_needs_no_label_either(model, tmp_path, capsys):
+    world = {"record": True, "episode_s": 2.0, "model": model}
+    record = jawenv.play(load_agent("slow_opening"), patients=1, seed=7000, env_kwargs=world).records[0]
+    path = without_labels(record, tmp_path / "bench.csv")
+    main(["identify", str(path)])
+    assert "patient: anyone" in (said := capsys.readouterr().out) and "anatomy: known exactly" in said
+    assert main(["identify", str(path), "--knowledge", "bench"]) == 2
+    assert "knowledge is not exact" in capsys.readouterr().err

@@ -12,6 +12,7 @@ from jawenv.filter.model.basis import build_basis, set_coefficients, set_derivat
 from jawenv.mechanics import build_jaw
 from jawenv.metrics.calibration import nees
 from jawenv.recordings import untold_bank as bank
+from jawenv.recordings import untold_blocks
 from jawenv.recordings import untold_law as law
 from jawenv.recordings.identification import identified
 from jawenv.recordings.untold_blocks import N_OF_WRENCH, Blocks, blocks_of
@@ -173,3 +174,15 @@ def test_identification_and_score_have_it_where_asked_for():
     with pytest.raises(InputError, match="records is None") as error:
         jawenv.score(replace(off, records=None), untold=True)
     assert "\n" not in str(error.value)
+
+
+def test_a_long_recording_has_no_more_blocks_than_memory_takes(monkeypatch):
+    """The same information in longer blocks."""
+    record, mean = played().records[0], played().belief_mean[0, -1]
+    whole = blocks_of(record, mean)
+    monkeypatch.setattr(untold_blocks, "MOST_BLOCKS", 10)
+    longer = blocks_of(record, mean)
+    assert (len(whole.score), len(longer.score)) == (40, 10)
+    for name in ("information", "score"):
+        one, other = (getattr(part, name).sum(axis=0) for part in (whole, longer))
+        np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-9 * np.abs(one).max())
