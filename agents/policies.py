@@ -15,8 +15,9 @@ from jawenv.base.errors import InputError
 from jawenv.base.reading import open_file
 from jawenv.controls import Control
 from jawenv.ladder import DEFAULT_ENV
-from jawenv.playing.agents import Action, Agent, BatchAgent, Mask, Observation, State, check_size
+from jawenv.playing.agents import Action, Agent, BatchAgent, Mask, Observation, State
 from jawenv.playing.policies.card import CARD, card_of, policy_folder
+from jawenv.playing.policies.inputs import fitted
 from jawenv.playing.policies.plain import check_environment, load_plain, on_maneuver
 
 if TYPE_CHECKING:
@@ -58,9 +59,9 @@ class TrainedPolicy(BatchAgent):
     def _answer(
         self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        check_size(rows, self.observation_size, self.path)
         memory = self._state if state is None else state
-        action, self._state = self.policy.predict(rows, memory, starts, deterministic)
+        seen = fitted(rows, self.observation_size, self.path)
+        action, self._state = self.policy.predict(seen, memory, starts, deterministic)
         return action, self._state
 
 

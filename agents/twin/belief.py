@@ -46,6 +46,7 @@ class Belief:
         twin: constants.
         patients: P.
         generator: of the readings' noise; without one the belief goes to the truth as far as information reaches.
+        prior: (P, 12) means and sds; the environment's by default.
 
     Attributes:
         precision: (P, n, n) of 12 parameters, the load cell's gain and the nuisances.
@@ -53,26 +54,34 @@ class Belief:
         mean: (P, 12) believed parameters, as of the last ``renew``.
     """
 
-    def __init__(self, twin: Twin, patients: Patients, generator: torch.Generator | None = None) -> None:
+    def __init__(
+        self,
+        twin: Twin,
+        patients: Patients,
+        generator: torch.Generator | None = None,
+        prior: tuple[Tensor, Tensor] | None = None,
+    ) -> None:
         self._twin, self._patients, self._generator = twin, patients, generator
         others = twin.prior_sd.new_tensor([twin.gain_sd] + [1.0] * len(twin.nuisances))
-        sd, number = torch.cat([twin.prior_sd, others]), len(patients)
-        self.precision = torch.diag(sd**-2).expand(number, -1, -1)
-        self._score = sd.new_zeros(number, len(sd))
+        number = len(patients)
+        self._prior_mean, prior_sd = (twin.prior_mean, twin.prior_sd.expand(number, -1)) if prior is None else prior
+        sd = torch.cat([prior_sd, others.expand(number, -1)], -1)
+        self.precision = torch.diag_embed(sd**-2)
+        self._score = torch.zeros_like(sd)
         self._readings, self._drift = sd.new_zeros(number), sd.new_zeros(number, 5)
-        self._truth = pad(patients.theta - twin.prior_mean, (0, len(others)))
+        self._truth = pad(patients.theta - self._prior_mean, (0, len(others)))
         if generator is not None:
             self._truth[:, N_PARAMETERS:] = others * self._noise(number, len(others))
         self._disturbance = None
         if twin.memory > 0.0:
-            self._disturbance = Disturbance(twin.disturbance_variance, twin.memory, number, len(sd))
+            self._disturbance = Disturbance(twin.disturbance_variance, twin.memory, number, sd.shape[-1])
         self.renew()
 
     def renew(self) -> None:
         """Follow what was learnt."""
         self.covariance = torch.linalg.inv(self.precision)
         moved = self.covariance @ self._score[..., None]
-        self.mean = self._twin.prior_mean + moved[:, :N_PARAMETERS, 0]
+        self.mean = self._prior_mean + moved[:, :N_PARAMETERS, 0]
 
     def learn(self, held: Held, readings: Tensor) -> None:
         """Take so many readings (P,), as if all were of one pose."""

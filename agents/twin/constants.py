@@ -25,7 +25,7 @@ from jawenv.device.comfort import (
     SIDE,
 )
 from jawenv.device.device import LAW_TICKS, TICK
-from jawenv.device.guard import CREST_SHARE, GUARDS
+from jawenv.device.guard import CREST_SHARE, DRIVERS, GUARDS
 from jawenv.ladder import title_of_env
 
 STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
@@ -33,6 +33,10 @@ STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
 LAWS_PER_DECISION = 2
 """Times that the device's law acts between two decisions; 4 in the environment. Acting once, it moves the jaw so
 roughly that discomfort is four times too high."""
+COST_SD = (0.02, 0.02, 0.045, 0.05, 0.05, 0.02, 0.17, 0.02)
+"""By which the used fractions shake in the environment and not here, by limit: the unmodelled force shakes the speed,
+and half of what a side or a fore-aft excursion costs is of its swing about the twin's. Chosen on paths of policies."""
+_DRIVES = [[float(channel in DRIVERS[limit]) for channel in CHANNELS] for limit in COMFORT_LIMITS]
 _GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]
 
 
@@ -107,6 +111,12 @@ class Twin:
         self.force, self.speed, self.condyle_side = (float(comfort[key]) for key in ("force", "speed", "condyle_side"))
         self.tension_margin = float(comfort["tension_margin"])
         self.hard, self.guard = torch.tensor(comfort["hard"]), torch.tensor(_GUARD, dtype=torch.float64)
+        self.budget = float(settings["control"]["budget"])
+        self.drives = torch.tensor(
+            [[float(channel in DRIVERS[limit]) for channel in CHANNELS] for limit in COMFORT_LIMITS]
+        )
+        self.drives = self.drives.double()
+        self.looks_ahead = torch.tensor([float(limit != "speed") for limit in COMFORT_LIMITS], dtype=torch.float64)
         self.onset = 1.0 + GOVERNOR_ONSET * (self.hard[list(STOPPED)] - 1.0)
         self.stop = float(device["stop_stiffness"])
         self.servo_damping = float(device["servo_damping"])

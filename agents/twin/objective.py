@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import log
+
 from torch import Tensor
 
 from agents.twin.worlds import Worlds
@@ -9,6 +11,8 @@ from agents.twin.worlds import Worlds
 POWER = 10.0
 MARKS = ((0.36, 0.2), (0.64, 0.2), (1.0, 0.6))
 """Shares of a maneuver's time at which the largest sd counts, and how much."""
+SURE, SOFTNESS = 0.05, 0.2
+"""Error bar from which on a patient's muscles count as known, and the width of the step, nats."""
 
 
 def log_worst(worlds: Worlds) -> Tensor:
@@ -22,3 +26,9 @@ def log_worst(worlds: Worlds) -> Tensor:
 def weights(steps: int) -> dict[int, float]:
     """Decision -> weight of ``log_worst`` after it, in a maneuver of so many."""
     return {max(1, round(share * steps)): weight for share, weight in MARKS}
+
+
+def share_unsure(worlds: Worlds) -> Tensor:
+    """Smooth step (P,): 1 while the largest sd of what is asked for is above ``SURE``, 0 below."""
+    step: Tensor = ((log_worst(worlds) - log(SURE)) / SOFTNESS).sigmoid()
+    return step

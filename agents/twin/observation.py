@@ -39,9 +39,11 @@ def observation(worlds: Worlds, time_left: float, asked: bool = False) -> Tensor
         felt[0] / FORCE_SCALE,
         felt[1] / MOMENT_SCALE,
         worlds.thrust / (twin.reach * twin.servo),
-        worlds.size * worlds.target,
+        worlds.size * worlds.kept * worlds.target,
         worlds.margin,
         q.new_full((len(q), 1), time_left),
     )
-    end = (worlds.asked, worlds.discomfort[:, None]) if asked else ()
+    end: tuple[Tensor, ...] = (worlds.asked, worlds.discomfort[:, None]) if asked else ()
+    if twin.budget > 0.0 and not asked:
+        end = (worlds.discomfort[:, None] / twin.budget,)
     return torch.cat([*parts, *end], -1).clamp(-OBSERVATION_BOUND, OBSERVATION_BOUND)

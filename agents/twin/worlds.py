@@ -6,19 +6,30 @@ equilibrium, the guard shrinks the targets, and the readings since then inform a
 
 from __future__ import annotations
 
-from math import exp
+from math import exp, pi, sqrt
 
 import torch
 from torch import Tensor
 from torch.nn.functional import pad
 
 from agents.twin.belief import Belief, Held
-from agents.twin.constants import LAWS_PER_DECISION, Patients, Twin
+from agents.twin.constants import COST_SD, LAWS_PER_DECISION, Patients, Twin
 from agents.twin.mechanics import Forces, Passive, Pose, forces, norm, ramp, wrenches
 from jawenv.device import laws
 from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST, N_CHANNELS, ROLL_FULL_SCALE_RAD
 from jawenv.device.device import TICK
-from jawenv.device.guard import FASTEST, REGROW, SHRINK_S
+from jawenv.device.guard import (
+    ASKED_MARGIN,
+    BRAKE,
+    CAREFUL_FROM,
+    FASTEST,
+    FASTEST_BRAKE,
+    GIVING_WAY,
+    LOOK_AHEAD_S,
+    RECOVERY,
+    REGROW,
+    SHRINK_S,
+)
 from jawenv.device.motors import STOP_ONSET_WIDTH
 from jawenv.filter.readings.teeth import NEAR
 
@@ -35,30 +46,43 @@ class Worlds:
         patients: P.
         generator: of the readings' noise; without one the belief goes to the truth as far as information reaches.
         asked: (P, 6) the muscles that are asked for; all by default.
+        prior: (P, 12) means and sds that beliefs begin with; the environment's by default.
 
     Attributes:
         asked: as given.
         discomfort: (P,) since the start, s.
+        by_limit: (P, 8) the same of each limit.
         pose: of the jaw.
         target: (P, 4) of the channels.
-        size: (P, 4) what the guard multiplies them by.
+        size: (P, 4) what the guard multiplies them by, for the limits; ``kept``: for the budget.
         fractions: (P, 8) of the limits that are used.
         belief: the filter's.
     """
 
     def __init__(
-        self, twin: Twin, patients: Patients, generator: torch.Generator | None = None, asked: Tensor | None = None
+        self,
+        twin: Twin,
+        patients: Patients,
+        generator: torch.Generator | None = None,
+        asked: Tensor | None = None,
+        prior: tuple[Tensor, Tensor] | None = None,
     ) -> None:
         self.twin, self.patients = twin, patients
         self.asked = patients.theta.new_ones(len(patients), 6) if asked is None else asked
-        self.discomfort = patients.theta.new_zeros(len(patients))
+        self.by_limit = patients.theta.new_zeros(len(patients), len(COST_SD))
         self.target = patients.rest.new_zeros(len(patients), N_CHANNELS)
-        self.size, self.thrust = self.target + 1.0, self.target
-        self.belief = Belief(twin, patients, generator)
+        self.size, self.kept, self.thrust = self.target + 1.0, self.target + 1.0, self.target
+        self._margin = self.by_limit + 1.0
+        self.belief = Belief(twin, patients, generator, prior)
         # The device takes the mouthpiece for where the nominal anatomy has it; the limits are of where it is.
         self._misplaced = patients.jaw.mouthpiece - twin.jaw.mouthpiece
         self._end_strain = patients.jaw.passive(patients.jaw.pose(patients.end), patients.theta).strain
         self.begin_at(patients.rest)
+
+    @property
+    def discomfort(self) -> Tensor:
+        """(P,) since the start, s."""
+        return self.by_limit.sum(-1)
 
     def begin_at(self, q: Tensor) -> None:
         """Put the jaws at poses (P, 5), with motors that push as they did."""
@@ -74,19 +98,18 @@ class Worlds:
         rate = (goal - self.target) / twin.decision_s
         fastest = action.new_tensor(FASTEST_TARGET)
         rate = torch.maximum(torch.minimum(rate, fastest), -fastest)
-        discomfort = torch.zeros_like(action[:, 0])
+        before = self.discomfort
         for _ in range(LAWS_PER_DECISION):
             self._command(rate)
             self._move()
             # The filter sees the gap within the encoders' noise: how often it learns falls smoothly.
             readings = ((self.passive.gap - NEAR) / twin.encoder_sd[0]).sigmoid() * (twin.dt / TICK)
             self.belief.learn(self._held(), readings)
-            discomfort = discomfort + twin.dt * self._feel()
+            self._feel()
             self.target = self.target + twin.dt * rate
         self.belief.learn_from_shaking(self._held())
         self.belief.renew()
-        self.discomfort = self.discomfort + discomfort
-        return discomfort
+        return self.discomfort - before
 
     def _held(self) -> Held:
         push = self.thrust[..., None] * self.twin.directions
@@ -120,8 +143,9 @@ class Worlds:
             [p.opening, p.side, torch.full_like(side, twin.force), torch.full_like(side, ROLL_FULL_SCALE_RAD)], -1
         )
         felt = torch.stack([opening, side, self.thrust[:, 2:].sum(-1), q[:, 4] - p.rest[:, 4]], -1)
-        error = self.size * self.target * full - felt
-        wanted = self.size * rate * full + correction * error
+        size = self.size * self.kept
+        error = size * self.target * full - felt
+        wanted = size * rate * full + correction * error
         down, across = wanted[:, 0].clamp(-fastest, fastest), wanted[:, 1].clamp(-fastest, fastest)
         back = -self.arm[:, 2] / self.arm[:, 0] * down  # the jaw swings back as it opens
         # Half of the servos' stiffness: jaw and servos yield to each other.
@@ -178,8 +202,8 @@ class Worlds:
         opening, side, fore_aft = self.excursions()
         return opening, side - self._misplaced[..., 1], fore_aft - self._misplaced[..., 0]
 
-    def _feel(self) -> Tensor:
-        """Cost (P,) of the used fractions; the guard shrinks the targets by what is left."""
+    def _feel(self) -> None:
+        """Add the discomfort of the used fractions; the guard shrinks the targets by what is left."""
         twin, p, q = self.twin, self.patients, self.pose.q
         opening, side, fore_aft = self.excursions()
         used = (
@@ -201,9 +225,37 @@ class Worlds:
         seen = torch.cat([self.fractions[:, :2], felt, self.fractions[:, 4:-1], believed.amax(-1, keepdim=True)], -1)
         self.margin = 1.0 - seen
         margin = torch.cat([self.margin, 1.0 - q[:, :1] / twin.crest], -1)
+        self.by_limit = self.by_limit + twin.dt * self._costs()
         self._shrink(margin)
-        self.costs = (self.fractions - 1.0).clamp(min=0.0) / (twin.hard - 1.0)
-        return self.costs.sum(-1)
+        if twin.budget > 0.0:
+            self._keep_budget()
+
+    def _costs(self) -> Tensor:
+        """Cost (P, 8) to be expected of used fractions f that shake by an sd s.
+
+        It is s (phi(z) + z Phi(z)) over the way to the hard limit, with z = (f - 1) / s: smooth, with a gradient before
+        the limit.
+        """
+        sd = self.fractions.new_tensor(COST_SD)
+        z = (self.fractions - 1.0) / sd
+        density = (-0.5 * z.square()).exp() / sqrt(2.0 * pi)
+        costs: Tensor = sd * (density + z * torch.special.ndtr(z)) / (self.twin.hard - 1.0)
+        return costs
+
+    def _keep_budget(self) -> None:
+        """``jawenv.device.guard.keep_budget``, spent by the discomfort to be expected."""
+        twin = self.twin
+        spent = (self.discomfort / (CAREFUL_FROM * twin.budget)).clamp(max=1.0)
+        asked = ASKED_MARGIN[0] + spent * (ASKED_MARGIN[1] - ASKED_MARGIN[0])
+        falls = (self.margin - self._margin).clamp(max=0.0) * twin.looks_ahead
+        left = self.margin + LOOK_AHEAD_S / twin.dt * falls
+        lack = ((asked[:, None] - left) / GIVING_WAY).clamp(0.0, 1.0)
+        of_channels = (lack[..., None] * twin.drives).amax(-2)
+        fastest = FASTEST_BRAKE * twin.dt * of_channels.new_tensor(FASTEST)
+        less = torch.minimum(self.kept * of_channels * (1.0 - exp(-BRAKE * twin.dt)), fastest)
+        more = (self.kept + RECOVERY * twin.dt).clamp(max=1.0)
+        self.kept = torch.where(of_channels > 0.0, self.kept - less, more)
+        self._margin = self.margin
 
     def _shrink(self, margin: Tensor) -> None:
         """``jawenv.device.guard.shrink`` by what is left (P, 9) of all limits and of the way to the crest."""

@@ -1,14 +1,21 @@
-"""Keeps targets within a patient's comfort: they shrink before a limit is used up."""
+"""Keeps targets within a patient's comfort: they shrink before a limit is used up.
+
+They shrink by two factors. ``size`` is for every episode: little is left of a limit. ``Budget.size`` is for an episode
+with a budget of discomfort: the nearer its end, the more margin is asked for, and a channel that drives a limit beyond
+it gives way. The budget is spent by what the device takes the discomfort to be; it is never told the true one.
+"""
 
 from __future__ import annotations
 
 from math import exp
+from typing import Annotated
 
 import numpy as np
 
 from jawenv.device.channels import CHANNELS, N_CHANNELS
-from jawenv.device.comfort import COMFORT_LIMITS
+from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS, SPEED
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import Array, record_dtype
 
 # Which channels shrink when little is left of a limit, and the margin below which they begin to. Opening and side are
 # no limits here: the targets themselves stay within them. Nor is speed: the unmodelled force alone shakes the jaw to
@@ -27,8 +34,56 @@ SHRINK_S = 0.3  # time constant
 FASTEST = (0.4, 0.5, 2.0, 0.5)  # 1/s, by channel: shrinking is a movement too
 REGROW = 0.01  # 1/s, back towards full size
 
+# Which channels give way where a budget of discomfort asks for more margin of a limit.
+DRIVERS: dict[str, tuple[str, ...]] = {
+    "force": CHANNELS,
+    "opening": ("opening",),
+    "side": ("side", "roll"),
+    "fore_aft": ("opening", "fore_aft"),
+    "condyle_fore_aft": ("opening", "fore_aft"),
+    "condyle_side": ("opening", "side", "roll"),
+    "speed": CHANNELS,
+    "tension": ("opening", "side"),
+}
+ASKED_MARGIN = (-0.1, 0.1)  # with all of the budget left, and from where ``CAREFUL_FROM`` of it is spent on
+CAREFUL_FROM = 0.5
+LOOK_AHEAD_S = 0.2  # a margin counts as it will be then, if it goes on falling as it does; that of speed as it is
+GIVING_WAY = 0.1  # of margin: so much less than is asked for takes a channel back as fast as it may
+BRAKE = 5.0  # 1/s, of a channel's size then
+FASTEST_BRAKE = 4.0  # times ``FASTEST``
+RECOVERY = 0.5  # 1/s, back towards full size
+
 _LIMITS = (*COMFORT_LIMITS, "crest")
 _GUARD = np.array([[GUARDS.get(limit, {}).get(channel, np.inf) for channel in CHANNELS] for limit in _LIMITS])
+_DRIVES = np.array([[channel in DRIVERS[limit] for channel in CHANNELS] for limit in COMFORT_LIMITS])
+
+
+class Budget:
+    """An episode's budget of discomfort, as the guard keeps it."""
+
+    whole: float  # s of discomfort of 1; 0 for no budget
+    spent: float  # s
+    hard: Annotated[Array, N_LIMITS]  # limits over the soft ones
+    margin: Annotated[Array, N_LIMITS]  # as last seen
+    size: Annotated[Array, N_CHANNELS]  # what the targets are multiplied by, 0 to 1
+
+
+class Tracker:
+    """State of the law of targets."""
+
+    target: Annotated[Array, N_CHANNELS]  # fractions, before the guard
+    rate: Annotated[Array, N_CHANNELS]  # 1/s, at which they move
+    size: Annotated[Array, N_CHANNELS]  # what the guard multiplies them by, 0 to 1
+    budget: Budget
+    integral: Annotated[Array, 3]  # of the force law: N, N m, N m
+    rest_roll: float  # rad, as first seen
+    crest: float  # m, the eminence's; 0 for that of the default anatomy
+    full_force: float  # N, of the fore-aft channel
+    begun: bool
+
+
+TRACKER = record_dtype(Tracker)
+"""The device's memory while it follows targets."""
 
 
 @njit
@@ -55,3 +110,31 @@ def shrink(size, margin, crest_margin, dt):
             size[channel] -= min(step, FASTEST[channel] * dt)
         else:
             size[channel] = min(size[channel] + REGROW * dt, 1.0)
+
+
+@njit
+def keep_budget(budget: Budget, margin, dt):
+    """Spend the budget by the discomfort of a moment, and change its ``size``.
+
+    Args:
+        budget: record of ``Budget``.
+        margin: (8,) what is left of each comfort limit.
+        dt: s since it was last changed.
+    """
+    for limit in range(N_LIMITS):
+        budget.spent += dt * max(-margin[limit], 0.0) / (budget.hard[limit] - 1.0)
+    spent = min(budget.spent / (CAREFUL_FROM * budget.whole), 1.0)
+    asked = ASKED_MARGIN[0] + spent * (ASKED_MARGIN[1] - ASKED_MARGIN[0])
+    for channel in range(N_CHANNELS):
+        lack = 0.0
+        for limit in range(N_LIMITS):
+            if _DRIVES[limit, channel]:
+                falls = min(margin[limit] - budget.margin[limit], 0.0) if limit != SPEED else 0.0
+                left = margin[limit] + LOOK_AHEAD_S / dt * falls
+                lack = max(lack, min((asked - left) / GIVING_WAY, 1.0))
+        if lack > 0.0:
+            fastest = FASTEST_BRAKE * FASTEST[channel] * dt
+            budget.size[channel] -= min(budget.size[channel] * lack * BRAKE * dt, fastest)
+        else:
+            budget.size[channel] = min(budget.size[channel] + RECOVERY * dt, 1.0)
+    budget.margin[:] = margin

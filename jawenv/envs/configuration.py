@@ -83,6 +83,12 @@ class Configuration:
     )
     comfort_weight: float = _argument(0.0, "What a second of discomfort of 1 takes from the reward, nats.")
     comfort_limit_s: float = _argument(0.0, "Discomfort of an episode, s, up to which `comfort_weight` takes nothing.")
+    comfort_budget_s: float | None = _argument(
+        None,
+        "Discomfort of an episode, s, that the device keeps in targets control; none by default.",
+        "S",
+        "number",
+    )
     track_bound: bool = _argument(False, "Whether `info` has the bound as well.")
     info: Info = _argument("full", "Which keys `info` has: full for all, light for those of belief, cost and time.")
     record: bool = _argument(False, "Whether what the device measures is kept.")
@@ -132,6 +138,7 @@ class Configuration:
         self._set("control_hz", checked_rate(self.mode.steps_per_s if given is None else given, self.mode))
         for name in ("comfort_weight", "comfort_limit_s"):
             self._set(name, checked_number(name, getattr(self, name), or_zero=True))
+        self._check_budget()
         self._check_estimator()
         if self.steps < 1:
             raise InputError(f"episode_s is {self.episode_s:g}; allowed: at least one control period")
@@ -159,6 +166,16 @@ class Configuration:
 
         if not (isinstance(plant, str) and is_named(plant)):
             plant_of(plant)
+
+    def _check_budget(self) -> None:
+        if self.comfort_budget_s is None:
+            return
+        self._set("comfort_budget_s", checked_number("comfort_budget_s", self.comfort_budget_s))
+        if not self.mode.takes_targets:
+            raise InputError(
+                f"comfort_budget_s is {self.comfort_budget_s:g}; allowed in {self.control} control: none, as the "
+                "device keeps it by the targets"
+            )
 
     def _check_estimator(self) -> None:
         """The estimator is one of the model's, or the user's own."""

@@ -26,10 +26,11 @@ class WorldReader:
     from); ``misfit`` (the alarm: above 1 no parameters explain what was read, or the belief moves by more than it
     claims, see ``filter.alarm.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s); ``episode_key`` (2,
     int64: of the episode's patient and random numbers, with which ``reset`` begins it again); ``asked`` (6, bool:
-    which muscles are asked for; only with the argument ``asked``).
+    which muscles are asked for; only with the argument ``asked``); ``spent`` (share of the budget of discomfort, as the
+    device takes it to be; only with ``comfort_budget_s``).
 
     A light info has ``belief_mean``, ``belief_sd``, ``truth``, ``cost``, ``violation``, ``misfit``, ``time``,
-    ``episode_key``, ``asked`` and the bound's keys alone.
+    ``episode_key``, ``asked``, ``spent`` and the bound's keys alone.
 
     Args:
         worlds: (N,) records of dtype ``world_dtype``; the array must stay the simulation's own.
@@ -37,6 +38,7 @@ class WorldReader:
         with_bound: whether the bound is computed.
         light: whether the info is light.
         asked: (N, M) of the muscles, likewise; None where all are.
+        budget: whether a budget of discomfort is kept.
     """
 
     def __init__(
@@ -46,10 +48,12 @@ class WorldReader:
         with_bound: bool,
         light: bool = False,
         asked: NDArray[np.bool_] | None = None,
+        budget: bool = False,
     ) -> None:
         """Make the views."""
-        self._arguments = worlds, keys, with_bound, light, asked
+        self._arguments = worlds, keys, with_bound, light, asked, budget
         self._asked = asked
+        self._budget = worlds["known"]["tracker"]["budget"] if budget else None
         self._keys, self._bounded, self._light = keys, with_bound, light
         truth, known = worlds["truth"], worlds["known"]
         self._mean, self._covariance = known["belief"]["mean"], known["belief"]["cov"]
@@ -88,6 +92,8 @@ class WorldReader:
         }
         if self._asked is not None:
             info["asked"] = self._asked[0].copy()
+        if self._budget is not None:
+            info["spent"] = self._budget["spent"].item(0) / self._budget["whole"].item(0)
         if self._bounded:
             info["bound_sd"] = np.sqrt(self._bound_variance[0])
             info["information_bound"] = 0.5 * (prior - self._log_det_bound.item(0))
@@ -121,6 +127,8 @@ class WorldReader:
         }
         if self._asked is not None:
             info["asked"] = self._asked.copy()
+        if self._budget is not None:
+            info["spent"] = self._budget["spent"] / self._budget["whole"]
         if self._bounded:
             info["bound_sd"] = np.sqrt(self._bound_variance)
             info["information_bound"] = 0.5 * (self._prior - self._log_det_bound)

@@ -90,7 +90,8 @@ class Simulation:
         """(N, ticks) what was read, as far as it is kept."""
         self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
         """(N, ticks) what was true then, as far as it is kept."""
-        size = observation_size(2 * len(muscles), configuration.asked is not None)
+        ends = configuration.asked is not None, configuration.comfort_budget_s is not None
+        size = observation_size(2 * len(muscles), *ends)
         self.observation = np.zeros((num_worlds, size), dtype=np.float32)
         """(N, size) as of the last reset or step."""
         self.asked = np.ones((num_worlds, len(muscles)), dtype=np.bool_)
@@ -105,7 +106,8 @@ class Simulation:
         """(N, 2) of all random numbers of the present episodes."""
         asked = None if configuration.asked is None else self.asked
         light = configuration.info == "light"
-        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, light, asked)
+        budget = configuration.comfort_budget_s is not None
+        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, light, asked, budget)
         self.own_estimators = None if configuration.own_estimator is None else self._own_estimators()
         """The user's estimators, where they are in the place of the device's filter."""
 
@@ -170,6 +172,7 @@ class Simulation:
         control = settings["control"]
         control["servo"] = configuration.mode.has_servos
         control["targets"] = configuration.mode.takes_targets
+        control["budget"] = configuration.comfort_budget_s or 0.0
         control["steps"], control["ticks_per_step"] = configuration.steps, configuration.ticks_per_step
         settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
         return records
@@ -240,7 +243,7 @@ class Simulation:
             self._read_first(chosen)
             if self.own_estimators is not None:
                 self.own_estimators.begin(chosen)
-            self._show_question(chosen)
+            self._show_end(chosen)
         except BaseException:
             for array, values in zip(arrays, before, strict=True):
                 array[numbers] = values
@@ -331,7 +334,7 @@ class Simulation:
         if own is not None:
             own.after_step(active)
         np.add(self.cost_so_far, self._costs.sum(axis=1), out=self.cost_so_far, where=active)
-        self._show_question(active)
+        self._show_end(active)
 
     def cost_above_limit(self) -> NDArray[np.float64]:
         """The cost (N,) of the last step, as far as the episode's discomfort is above ``comfort_limit_s``."""
@@ -339,13 +342,16 @@ class Simulation:
         cost: NDArray[np.float64] = self._costs.sum(axis=1)
         return np.minimum(cost, np.maximum(self.cost_so_far - limit, 0.0))
 
-    def _show_question(self, chosen: NDArray[np.bool_]) -> None:
-        """The end of the chosen worlds' observation, where muscles are asked for."""
-        if self.configuration.asked is None:
-            return
-        discomfort = self.cost_so_far[chosen] / self.configuration.steps_per_s
-        self.observation[chosen, -1 - self.asked.shape[1] : -1] = self.asked[chosen]
-        self.observation[chosen, -1] = np.minimum(discomfort, OBSERVATION_BOUND)
+    def _show_end(self, chosen: NDArray[np.bool_]) -> None:
+        """The end of the chosen worlds' observation, where muscles are asked for or a budget is kept."""
+        configuration = self.configuration
+        if configuration.asked is not None:
+            discomfort = self.cost_so_far[chosen] / configuration.steps_per_s
+            self.observation[chosen, -1 - self.asked.shape[1] : -1] = self.asked[chosen]
+            self.observation[chosen, -1] = np.minimum(discomfort, OBSERVATION_BOUND)
+        elif configuration.comfort_budget_s is not None:
+            spent = self.worlds["known"]["tracker"]["budget"]["spent"][chosen] / configuration.comfort_budget_s
+            self.observation[chosen, -1] = np.minimum(spent, OBSERVATION_BOUND)
 
     def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         shared = Shared(self.device, self.settings, self.scratches)

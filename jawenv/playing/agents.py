@@ -182,9 +182,3 @@ class Remembering(BatchAgent):
             for array in copies:
                 array[starts] = np.zeros(1, array.dtype)
         return memory._replace(of_worlds=copies)
-
-
-def check_size(rows: Observation, size: int, policy: object) -> None:
-    """Make sure that observations (N, size) are of the size that a policy was trained on."""
-    if rows.shape[1] != size:
-        raise InputError(f"{policy}: the policy was trained on observations of {size} values, got {rows.shape[1]}")

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 import jawenv
 from jawenv.base.errors import InputError
-from jawenv.device.channels import FASTEST_TARGET, LOWEST, TRACKER
+from jawenv.device.channels import FASTEST_TARGET, LOWEST
 from jawenv.device.device import LAW_TICKS
+from jawenv.device.guard import TRACKER
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.world.tracking import aim, follow_all, move_targets
 from jawenv.metrics.calibration import nees, nees_band

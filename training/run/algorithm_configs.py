@@ -64,6 +64,9 @@ class APGConfig(InputModel):
     n_steps: PositiveInt = 50  # decisions of an episode in the twin
     learning_rate: LearningRate = LearningRate(initial=2e-3, final=1e-4)  # of the policy
     max_grad_norm: PositiveNumber = 1.0  # largest norm of the gradient
+    priors: tuple[str, ...] = ()
+    """Cohorts with whose priors every other patient begins, each with that under which it is likeliest."""
+    time_weight: NotNegative = 0.0  # nats for the share of the time in which an error bar is above 5 %
     network: NetworkConfig = NetworkConfig(value=(), initial_action_scale=0.1)
     """Sizes; the value function is not learned."""
 

@@ -9,6 +9,7 @@ policies, so that a run has all that others have.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,9 +22,11 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 from torch import Tensor
 
 from agents.twin.constants import Patients, Twin
-from agents.twin.objective import log_worst, weights
+from agents.twin.objective import log_worst, share_unsure, weights
 from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
+from jawenv.anatomy import Cohort, cohort
+from jawenv.anatomy.cohorts import TRUNCATION_SD
 from jawenv.base.errors import InputError
 from jawenv.envs.asked import asked_muscles
 from jawenv.envs.observation import OBSERVATION_LAYOUT
@@ -38,6 +41,8 @@ class APG(OnPolicyAlgorithm):
 
     Args:
         policy: name of the policy's class.
+        priors: cohorts with whose priors every other patient begins, each with that under which it is likeliest.
+        time_weight: nats for the share of the time in which an error bar is above 5 %.
         env: training worlds of a policy that corrects a maneuver, in targets control of the midline model.
         **arguments: others.
 
@@ -50,7 +55,9 @@ class APG(OnPolicyAlgorithm):
 
     policy_aliases = {"MlpPolicy": ActorCriticPolicy}  # noqa: RUF012  as the base class has it
 
-    def __init__(self, policy: str, env: VecEnv, **arguments: Any) -> None:
+    def __init__(
+        self, policy: str, env: VecEnv, priors: Sequence[str] = (), time_weight: float = 0.0, **arguments: Any
+    ) -> None:
         fixed: dict[str, Any] = {"gamma": 1.0, "gae_lambda": 1.0, "ent_coef": 0.0, "vf_coef": 0.0, "use_sde": False}
         super().__init__(policy, env, **fixed, sde_sample_freq=-1, **arguments)
         controlled: Any = env.get_attr("controller")[0]
@@ -60,7 +67,8 @@ class APG(OnPolicyAlgorithm):
         if self.n_steps != self._simulation.configuration.steps:
             allowed = f"the {self._simulation.configuration.steps} of an episode"
             raise InputError(f"apg.n_steps is {self.n_steps}; allowed: {allowed}")
-        self._base = controlled
+        self._base, self._time_weight = controlled, time_weight
+        self._priors = [cohort(name, self._simulation.cohort.muscles) for name in priors]
         configuration, names = self._simulation.configuration, self._simulation.cohort.muscles.names
         asked = asked_muscles(configuration.asked, names, np.zeros(2, dtype=np.uint64))
         # The reward "worst" is as many times the log as there are parameters.
@@ -124,7 +132,9 @@ class APG(OnPolicyAlgorithm):
         simulation, configuration = self._simulation, self._simulation.configuration
         with self.device:
             patients, asked = Patients.of_worlds(simulation.worlds), torch.tensor(simulation.asked).double()
-            worlds = Worlds(Twin(simulation), patients, torch.Generator(self.device).manual_seed(seed), asked)
+            twin = Twin(simulation)
+            generator, prior = torch.Generator(self.device).manual_seed(seed), self._prior_of(twin, patients)
+            worlds = Worlds(twin, patients, generator, asked, prior)
         marks, whole = weights(steps), configuration.steps
         worst = patients.theta.new_zeros(len(patients))
         for step in range(steps):
@@ -138,4 +148,29 @@ class APG(OnPolicyAlgorithm):
             worlds.step(base + self._base.scale * action)
             if step + 1 in marks:
                 worst = worst + marks[step + 1] * log_worst(worlds)
+            if self._time_weight > 0.0:
+                worst = worst + self._time_weight / steps * share_unsure(worlds)
         return worst, (worlds.discomfort - configuration.comfort_limit_s).clamp(min=0.0)
+
+    def _prior_of(self, twin: Twin, patients: Patients) -> tuple[Tensor, Tensor] | None:
+        """Means and sds (P, 12) that beliefs begin with; None for those of the worlds."""
+        if not self._priors:
+            return None
+        number = len(patients)
+        likely = torch.stack([_log_density(one, patients.theta) for one in self._priors]).argmax(0)
+        own = likely.cpu().numpy()
+        means, sds = (
+            patients.theta.new_tensor(np.stack([getattr(one.prior, name) for one in self._priors]))[own]
+            for name in ("mean", "sd")
+        )
+        half = (torch.arange(number, device=means.device) % 2 == 0)[:, None]
+        return torch.where(half, means, twin.prior_mean), torch.where(half, sds, twin.prior_sd)
+
+
+def _log_density(population: Cohort, theta: Tensor) -> Tensor:
+    """(P,) of log parameters (P, 12) in the likeliest group of a cohort."""
+    mean, sd = theta.new_tensor(population.mean), theta.new_tensor(population.sd)
+    z = (theta[:, None, :] - mean) / sd
+    beyond = (z.abs() - TRUNCATION_SD).clamp(min=0.0)  # no patient of the cohort is there
+    density: Tensor = (-0.5 * z.square() - sd.log() - 100.0 * beyond).sum(-1).amax(-1)
+    return density

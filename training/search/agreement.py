@@ -1,4 +1,4 @@
-"""Agreement of the twin with the environment and its filter, on patients and maneuvers."""
+"""Agreement of the twin with the environment and its filter, on patients, and maneuvers or the path of an agent."""
 
 from __future__ import annotations
 
@@ -12,14 +12,16 @@ import torch
 from numpy.typing import NDArray
 
 import jawenv  # noqa: F401  registers its environments
+from agents.registry import load_agent
 from agents.twin.constants import Patients, Twin
 from agents.twin.worlds import Worlds
 from jawenv.base.errors import InputError
 from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.ladder import DEFAULT_ENV, env_id_of
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.maneuver import action_of
+from jawenv.playing.maneuvers.maneuver import action_of, goals_of
 
 MANEUVERS = (
     "refined",
@@ -32,6 +34,8 @@ MANEUVERS = (
 HORIZON_S = 10.0
 KNOT_S = 0.4
 SPREAD = (0.3, 0.5, 0.15, 0.5)
+ADMITTED_S = 1.0 / 30.0
+"""Discomfort in 10 s."""
 SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
 """Of the perturbations, and how often."""
 
@@ -40,10 +44,11 @@ SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
 class Agreement:
     """Figures of environment and twin for N patients."""
 
-    maneuver: NDArray[np.intp]  # (N,) index of the _perturbed maneuver in ``MANEUVERS``
+    maneuver: NDArray[np.intp]  # (N,) index in ``names``
     worst: NDArray[Any]  # (2, N) log of the largest sd, of the environment's filter and of the twin
     error: NDArray[Any]  # (N,) of the log parameter that the filter knows least, its estimate less the truth
-    discomfort_s: NDArray[Any]  # (2, N) in 10 s
+    discomfort_s: NDArray[Any]  # (2, N, 8) of each comfort limit, in 10 s
+    names: tuple[str, ...]  # of what was played
 
     def correlation(self) -> float:
         """Correlation between the two rows of ``worst``."""
@@ -59,17 +64,31 @@ class Agreement:
 
     def table(self) -> str:
         """Markdown: scatter and offset of the twin's log of the largest sd, and discomfort, by maneuver and in all."""
-        rows = ["| maneuver | correlation | scatter | offset | discomfort, s | of the twin |"]
+        rows = ["| played | correlation | scatter | offset | discomfort, s | of the twin |"]
         rows.append("|---|--:|--:|--:|--:|--:|")
-        chosen = {name: self.maneuver == i for i, name in enumerate(MANEUVERS)} | {"all": self.maneuver >= 0}
+        felt_by = self.discomfort_s.sum(-1)
+        chosen = {name: self.maneuver == i for i, name in enumerate(self.names)}
+        if len(chosen) > 1:
+            chosen["all"] = self.maneuver >= 0
         for name, part in chosen.items():
             if part.sum() > 1:
-                (real, own), (felt, of_twin) = self.worst[:, part], self.discomfort_s[:, part]
+                (real, own), (felt, of_twin) = self.worst[:, part], felt_by[:, part]
                 figures = f"{np.corrcoef(real, own)[0, 1]:.3f} | {(own - real).std():.3f} | {(own - real).mean():+.3f}"
                 rows.append(f"| {name} | {figures} | {felt.mean():.3f} | {of_twin.mean():.3f} |")
-        both = np.corrcoef(*self.discomfort_s)[0, 1]
-        rows += ["", f"Scatter in all without the estimates' errors: {self.scatter_without_error():.3f}."]
-        return "\n".join([*rows, f"Correlation of the patients' discomfort: {both:.3f}."])
+        rows += ["", f"Scatter in all without the estimates' errors: {self.scatter_without_error():.3f}.", ""]
+        return "\n".join([*rows, *self._by_limit()])
+
+    def _by_limit(self) -> list[str]:
+        """Markdown rows: discomfort of each limit in both, shares of patients above ``ADMITTED_S``, correlation."""
+        rows = ["| limit | discomfort, s | of the twin | correlation |", "|---|--:|--:|--:|"]
+        limits = dict(zip(COMFORT_LIMITS, np.moveaxis(self.discomfort_s, -1, 0), strict=True))
+        whole = self.discomfort_s.sum(-1)
+        for name, (felt, of_twin) in [*limits.items(), ("all", whole)]:
+            alike = np.corrcoef(felt, of_twin)[0, 1] if felt.std() > 0.0 and of_twin.std() > 0.0 else np.nan
+            shown = "–" if np.isnan(alike) else f"{alike:.2f}"
+            rows.append(f"| {name} | {felt.mean():.4f} | {of_twin.mean():.4f} | {shown} |")
+        above = (whole > ADMITTED_S).mean(axis=1)
+        return [*rows, "", f"Above {ADMITTED_S:.3f} s: {above[0]:.0%} of the patients, {above[1]:.0%} of the twin's."]
 
 
 def _perturbed(number: int, times: Array, rng: np.random.Generator) -> Array:
@@ -82,36 +101,47 @@ def _perturbed(number: int, times: Array, rng: np.random.Generator) -> Array:
     return np.clip(varied, LOWEST, HIGHEST)
 
 
-def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
-    """Play _perturbed maneuvers in the environment and in the twin.
+def agreement(world: Mapping[str, Any], patients: int, seed: int, agent: str | None = None) -> Agreement:
+    """Play perturbed maneuvers, or an agent, in the environment, and its targets in the twin.
 
     Args:
         world: arguments of the environment, ``env`` among them.
         patients: how many.
         seed: of the first.
+        agent: what is played, as `agents.load_agent` takes it; None for perturbed maneuvers.
     """
-    arguments = {"episode_s": HORIZON_S, **world}
+    arguments = {"episode_s": HORIZON_S, "control": "targets", **world}
     env_id = env_id_of(arguments.pop("env", DEFAULT_ENV))
     if patients < 2:
         raise InputError(f"patients is {patients}; allowed: 2 or more")
     env: Any = gym.make_vec(env_id, patients, autoreset_mode="disabled", **arguments)
-    env.reset(seed=seed)
+    observation, _ = env.reset(seed=seed)
     simulation = env.unwrapped.simulation
     twin = Twin(simulation)
     worlds = Worlds(twin, Patients.of_worlds(simulation.worlds), torch.Generator().manual_seed(seed))
     steps = round(HORIZON_S / twin.decision_s)
     times = twin.decision_s * np.arange(1, steps + 1, dtype=np.float64)
     targets = _perturbed(patients, times, np.random.default_rng(seed))
-    discomfort, running = np.zeros((2, patients)), np.ones(patients, dtype=bool)
+    player = None if agent is None else load_agent(agent, env_id=env_id)
+    if player is not None:
+        player.reset(patients)
+        if hasattr(player, "attach"):
+            player.attach(env)
+    discomfort, running = np.zeros((2, patients, len(COMFORT_LIMITS))), np.ones(patients, dtype=bool)
     for step in range(steps):
-        *_, ended, _, info = env.step(action_of(targets[:, step]).astype(np.float32))
+        if player is not None:
+            targets[:, step] = goals_of(player.predict(observation)[0])
+        observation, _, ended, _, info = env.step(action_of(targets[:, step]).astype(np.float32))
         running &= ~ended | (step == steps - 1)
+        discomfort[0] += np.stack([info[f"cost_{name}"] for name in COMFORT_LIMITS], -1) * twin.decision_s
         with torch.no_grad():
-            discomfort += [info["cost"] * twin.decision_s, worlds.step(torch.tensor(targets[:, step])).numpy()]
+            worlds.step(torch.tensor(targets[:, step]))
+    discomfort[1] = worlds.by_limit.numpy()
     env.close()
     variances = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).numpy()
     worst = np.stack([np.log(info["belief_sd"].max(axis=1)), 0.5 * np.log(variances)])
     least = np.arange(patients), info["belief_sd"].argmax(axis=1)
     error = simulation.worlds["known"]["belief"]["mean"][least] - simulation.worlds["truth"]["log_parameters"][least]
-    maneuver = np.arange(patients) % len(MANEUVERS)
-    return Agreement(maneuver[running], worst[:, running], error[running], discomfort[:, running])
+    names = MANEUVERS if agent is None else (agent,)
+    played = np.arange(patients) % len(names)
+    return Agreement(played[running], worst[:, running], error[running], discomfort[:, running], names)

@@ -94,11 +94,14 @@ def twin(
     world: dict[str, Any],
     patients: Annotated[int, typer.Option(help="How many are compared.", metavar="N")] = 120,
     seed: Annotated[int, typer.Option(help="Of the first.", metavar="N")] = TUNING.start,
+    agent: Annotated[
+        str | None, typer.Option(help="Agent on whose path they are compared.", metavar="MANEUVER|FILE|RUN")
+    ] = None,
 ) -> None:
-    """Compare the differentiable twin with the environment and its filter, after 10 s of perturbed maneuvers."""
+    """Compare the differentiable twin with the environment and its filter, in 10 s of perturbed maneuvers or an agent."""
     from training.search.agreement import agreement
 
-    Console(highlight=False, markup=False).print(agreement(world, patients, seed).table(), soft_wrap=True)
+    Console(highlight=False, markup=False).print(agreement(world, patients, seed, agent).table(), soft_wrap=True)
 
 
 @takes(GradientSearch)

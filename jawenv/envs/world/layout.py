@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
 
 from jawenv.base.errors import InputError
 from jawenv.device.comfort import N_LIMITS
@@ -32,29 +33,33 @@ MOMENT_SCALE = FORCE_SCALE * 0.02
 TARGET_SCALE = 0.01
 
 
-def observation_layout(n_parameters: int = 12, asked: bool = False) -> dict[str, slice]:
+def observation_layout(n_parameters: int = 12, asked: bool = False, budget: bool = False) -> dict[str, slice]:
     """Slices of the parts of the flat observation, in a model with so many parameters: name -> slice.
 
-    Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) end it.
+    Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) end it;
+    elsewhere, where the device keeps a ``budget`` of discomfort, ``spent`` (share of it, as the device takes it to be).
     """
     layout, start = {}, 0
     end = {"asked": n_parameters // 2, "discomfort": 1} if asked else {}
+    end = end or ({"spent": 1} if budget else {})
     for name, size in (dict.fromkeys(_BELIEF, n_parameters) | _REST_SIZES | end).items():
         layout[name] = slice(start, start + size)
         start += size
     return layout
 
 
-def observation_size(n_parameters: int = 12, asked: bool = False) -> int:
+def observation_size(n_parameters: int = 12, asked: bool = False, budget: bool = False) -> int:
     """Length of the flat observation."""
-    return sum(part.stop - part.start for part in observation_layout(n_parameters, asked).values())
+    return sum(part.stop - part.start for part in observation_layout(n_parameters, asked, budget).values())
 
 
 @cache
-def layouts() -> dict[int, tuple[int, bool]]:
-    """Parameters, and whether muscles are asked for, by the length of an observation: those of the models."""
+def layouts() -> dict[int, tuple[int, bool, bool]]:
+    """Arguments of ``observation_layout`` by the length of an observation: those of the models."""
     numbers = {len(model.muscles.parameter_names) for model in MODELS.values()}
-    return {observation_size(number, asked): (number, asked) for number in numbers for asked in (False, True)}
+    ends = (False, False), (True, False), (False, True)
+    kinds = [(number, *end) for number, end in product(numbers, ends)]
+    return {observation_size(*kind): kind for kind in kinds}
 
 
 def parameters_of(size: int) -> int:

@@ -22,6 +22,7 @@ from jawenv.envs.world.layout import (
 )
 from jawenv.envs.world.layout import OBSERVATION_REST as _REST
 from jawenv.envs.world.record import Control, Known, Seeing
+from jawenv.envs.world.tracking import size_of
 from jawenv.filter.belief.state import FilterSettings
 from jawenv.filter.model.joint_step import set_muscles
 from jawenv.kernels.compiled import njit
@@ -98,7 +99,7 @@ def observe_world(
         sensed[_THRUST + i] = _bounded(known.motors.thrust[i] / device.full_scale)
         target = 0.0
         if control.targets:
-            target = known.tracker.size[i] * known.tracker.target[i]
+            target = size_of(known.tracker, i) * known.tracker.target[i]
         elif control.servo:
             _, _, position, _ = motor_point(device, model, i, body_to_head, point, velocity, (u[2], u[3], u[4]))
             target = (known.motors.target[i] - position) / TARGET_SCALE

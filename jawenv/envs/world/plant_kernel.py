@@ -56,7 +56,7 @@ def plant_rest(devices, models, worlds, i, all_settings, scratches, rows: StepRo
     device, world, settings = devices[0], worlds[i], all_settings[0]
     _take_moved(world.truth, motion)
     treatable = count_from_rest(world.truth, world.known.limits)
-    begin_device(device, models[i], world)
+    begin_device(device, models[i], world, settings)
     begin_reality(world.truth, settings.reality, scratches[i])
     reset_belief(device, models[i], world, settings, scratches[i], rows.ticks[i, 0])
     return treatable

@@ -8,10 +8,10 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.device.channels import Tracker
 from jawenv.device.comfort import N_LIMITS, ComfortRecord, Limits, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
+from jawenv.device.guard import Tracker
 from jawenv.device.motors import Motors
 from jawenv.filter.belief.state import (
     N_OFFSETS,
@@ -143,6 +143,7 @@ class Control:
     targets: bool  # whether the action is the channels' targets
     steps: int  # in an episode
     ticks_per_step: int
+    budget: float  # of an episode's discomfort, s; 0 for none
 
 
 class Settings:

@@ -162,7 +162,7 @@ def begin_reality(truth: Truth, reality: RealityRecord, scratch: Scratch):
 
 
 @njit
-def begin_device(device: DeviceRecord, model: Jaw, world: World):
+def begin_device(device: DeviceRecord, model: Jaw, world: World, settings: Settings):
     """Clock, motors, targets and load cell as an episode begins, of the jaw at rest; nothing has been read."""
     known = world.known
     known.tick = -1
@@ -174,6 +174,10 @@ def begin_device(device: DeviceRecord, model: Jaw, world: World):
     known.tracker.size[:] = 1.0
     known.tracker.begun = False
     known.tracker.crest, known.tracker.full_force = model.crest, known.limits.force
+    budget = known.tracker.budget
+    budget.whole, budget.spent = settings.control.budget, 0.0
+    budget.size[:], budget.margin[:] = 1.0, 1.0
+    budget.hard[:] = settings.comfort.hard
 
 
 @njit_within
@@ -194,7 +198,7 @@ def _begin_world(
         return False
     truth.violated = False
     truth.acted = IDLE
-    begin_device(device, model, world)
+    begin_device(device, model, world, settings)
     begin_reality(truth, settings.reality, scratch)
     reset_belief(device, model, world, settings, scratch, first_row)
     return True

@@ -19,11 +19,10 @@ from jawenv.device.channels import (
     ROLL,
     ROLL_FULL_SCALE_RAD,
     SIDE,
-    Tracker,
 )
 from jawenv.device.comfort_settings import Comfort
 from jawenv.device.device import DeviceRecord
-from jawenv.device.guard import CREST_SHARE, shrink
+from jawenv.device.guard import CREST_SHARE, Tracker, keep_budget, shrink
 from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts
 from jawenv.envs.world.layout import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
 from jawenv.kernels.compiled import njit
@@ -53,18 +52,24 @@ def _felt_by(sensed, rest_roll):
 
 
 @njit
+def size_of(tracker: Tracker, channel):
+    """What the guard multiplies a channel's target by."""
+    return tracker.size[channel] * tracker.budget.size[channel]
+
+
+@njit
 def wanted_by(sensed, tracker: Tracker):
     """``Wanted`` from the targets of ``tracker``, each times its size."""
     opening, side = sensed[_RANGE] * RANGE_SCALE[0] * 1e3, sensed[_RANGE + 1] * RANGE_SCALE[1] * 1e3
-    target, rate, size = tracker.target, tracker.rate, tracker.size
+    target, rate = tracker.target, tracker.rate
     return Wanted(
-        size[OPENING] * target[OPENING] * opening,
-        size[SIDE] * target[SIDE] * side,
-        size[ROLL] * target[ROLL] * ROLL_FULL_SCALE_RAD,
-        size[FORE_AFT] * target[FORE_AFT] * tracker.full_force,
-        size[OPENING] * rate[OPENING] * opening,
-        size[SIDE] * rate[SIDE] * side,
-        size[ROLL] * rate[ROLL] * ROLL_FULL_SCALE_RAD,
+        size_of(tracker, OPENING) * target[OPENING] * opening,
+        size_of(tracker, SIDE) * target[SIDE] * side,
+        size_of(tracker, ROLL) * target[ROLL] * ROLL_FULL_SCALE_RAD,
+        size_of(tracker, FORE_AFT) * target[FORE_AFT] * tracker.full_force,
+        size_of(tracker, OPENING) * rate[OPENING] * opening,
+        size_of(tracker, SIDE) * rate[SIDE] * side,
+        size_of(tracker, ROLL) * rate[ROLL] * ROLL_FULL_SCALE_RAD,
     )
 
 
@@ -85,12 +90,15 @@ def follow(device: DeviceRecord, observation, parameters, tracker: Tracker, with
     sensed = observation[2 * parameters :]
     if not tracker.begun:
         tracker.size[:] = 1.0
+        tracker.budget.size[:] = 1.0
         tracker.integral[:] = 0.0
         tracker.rest_roll = sensed[_POSE + 4] * POSE_SCALE[4]
         tracker.begun = True
         if tracker.crest == 0.0:
             tracker.crest, tracker.full_force = _CREST_M, _FORCE_N
     shrink(tracker.size, sensed[_MARGIN:_END], 1.0 - sensed[_POSE] * POSE_SCALE[0] / tracker.crest / CREST_SHARE, dt)
+    if tracker.budget.whole > 0.0:
+        keep_budget(tracker.budget, sensed[_MARGIN:_END], dt)
     targets, felt = wanted_by(sensed, tracker), _felt_by(sensed, tracker.rest_roll)
     if with_servo:
         servo_rates(device, targets, felt, action)

@@ -14,8 +14,9 @@ from jawenv.base.errors import InputError, meant, shown
 from jawenv.base.files import InputModel, Number, Text, read_model
 from jawenv.base.numeric_fields import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control
-from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST, TRACKER
+from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.device.device import N_MOTORS, Device
+from jawenv.device.guard import TRACKER
 from jawenv.envs.observation import parameters_of
 from jawenv.envs.world.tracking import follow_all
 from jawenv.playing.agents import Action, Array, Mask, Memory, Observation, Remembering

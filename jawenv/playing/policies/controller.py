@@ -79,6 +79,11 @@ class ControlledAgent(Remembering):
         super().reset(num_envs, seed)
         self.agent.reset(num_envs, seed)
 
+    def attach(self, env: VectorEnv[Observation, Action, Any]) -> None:
+        """Let the agent get to know the worlds that are to be played, if it wants to."""
+        if hasattr(self.agent, "attach"):
+            self.agent.attach(env)
+
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, Memory]:

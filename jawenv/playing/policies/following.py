@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, takes_targets
-from jawenv.device.channels import FASTEST_TARGET, TRACKER
+from jawenv.device.channels import FASTEST_TARGET
 from jawenv.device.device import N_MOTORS, Device
+from jawenv.device.guard import TRACKER
 from jawenv.envs.observation import OBSERVATION_REST
 from jawenv.envs.world.tracking import follow_all
 from jawenv.playing.agents import Action, Observation

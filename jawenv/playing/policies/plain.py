@@ -6,8 +6,10 @@ import hashlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
+from gymnasium.vector import VectorEnv
 from safetensors import SafetensorError
 from safetensors.numpy import load
 from scipy.special import expit
@@ -28,10 +30,10 @@ from jawenv.playing.agents import (
     Observation,
     Remembering,
     State,
-    check_size,
 )
 from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, ModelCard, read_card
 from jawenv.playing.policies.following import decision_hz
+from jawenv.playing.policies.inputs import OwnPrior, fitted
 from jawenv.playing.policies.residual import N_FEATURES, BaseTargets, ResidualPolicy
 
 LARGEST_WEIGHTS = 256 * 2**20
@@ -69,12 +71,19 @@ class PlainPolicy(BatchAgent):
         # Twice the precision of the weights: an action then hardly depends on how many worlds are computed at once.
         self.weights = {key: np.asarray(values, dtype=np.float64) for key, values in weights.items()}
         self._activation = ACTIVATIONS[card.architecture.activation]
+        self._own_prior = OwnPrior(card.environment.world().build_cohort().prior)
+
+    def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
+        """Get to know the prior of the worlds that are to be played."""
+        self._own_prior.attach(env)
+
+    def _seen(self, rows: Observation) -> Observation:
+        return self._own_prior(fitted(rows, self.card.observation_size, self.name))
 
     def _answer(
         self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        check_size(rows, self.card.observation_size, self.name)
-        return self._act(rows.astype(np.float64)), None
+        return self._act(self._seen(rows).astype(np.float64)), None
 
     def _act(self, values: Array) -> Action:
         """Actions (N, 4) for inputs of the first layer (N, inputs)."""
@@ -97,7 +106,7 @@ class RecurrentPlainPolicy(Remembering, PlainPolicy):
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, Memory]:
-        check_size(rows, self.card.observation_size, self.name)
+        rows = self._seen(rows)
         (hidden, cell), weights = memory.of_worlds, self.weights
         gates = rows.astype(np.float64) @ weights["lstm.input"].T + hidden @ weights["lstm.hidden"].T
         enter, forget, new, leave = np.split(gates + weights["lstm.bias"], 4, axis=1)
@@ -145,8 +154,9 @@ def load_plain(folder: Path, env_id: str | None = None) -> Agent:
 
 def check_environment(path: Path, size: int, card: ModelCard | None, env_id: str) -> None:
     """Make sure that an environment gives the inputs of a policy, with the targets of the maneuver that it corrects."""
-    asked = card is not None and card.environment.others.get("asked") is not None
-    seen = observation_size(len(model_of_env(env_id).muscles.parameter_names), asked)
+    others = {} if card is None else card.environment.others
+    ends = [others.get(name) is not None for name in ("asked", "comfort_budget_s")]
+    seen = observation_size(len(model_of_env(env_id).muscles.parameter_names), *ends)
     seen += 0 if card is None or card.residual is None else N_FEATURES
     if size != seen:
         raise InputError(f"{path}: the policy was trained on observations of {size} values, {env_id} gives {seen}")

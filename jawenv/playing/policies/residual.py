@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
-from jawenv.playing.agents import Action, Agent, Array, Mask, Memory, Observation, check_size
+from jawenv.playing.agents import Action, Agent, Array, Mask, Memory, Observation
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import action_of, goals_of
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import DECISION_HZ
+from jawenv.playing.policies.inputs import fitted
 
 STEPS_SEEN = 3
 N_FEATURES = STEPS_SEEN * N_CHANNELS
@@ -118,5 +119,4 @@ class ResidualPolicy(ControlledAgent):
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, Memory]:
-        check_size(rows, self.observation_size, self.path)
-        return super()._decide(rows, memory, starts, deterministic)
+        return super()._decide(fitted(rows, self.observation_size, self.path), memory, starts, deterministic)

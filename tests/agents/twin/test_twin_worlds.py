@@ -73,23 +73,23 @@ def test_the_twin_knows_what_the_filter_knows(cohort):
     assert "| all |" in result.table()
 
 
-@pytest.mark.parametrize("name", ["apg_one_sided", "apg_patchy"])
-def test_the_discomfort_on_a_policys_own_path_is_no_more_than_the_environments(name):
-    """The twin lacks what the unmodelled force shakes, so it says less; 0.009 of 0.031 s for 64 other patients."""
-    worlds, felt = [], np.zeros(24)
+@pytest.mark.parametrize("budget", [None, 1.0 / 30.0])
+def test_the_twins_discomfort_on_a_policys_own_path_is_the_environments(budget):
+    result = agreement({"cohort": "one_sided", "comfort_budget_s": budget}, 24, 5100, "apg_patchy")
+    felt, of_twin = result.discomfort_s.sum(-1)
+    assert 0.6 < of_twin.mean() / felt.mean() < 2.0
+    assert np.corrcoef(felt, of_twin)[0, 1] > 0.5
+    assert abs((result.worst[1] - result.worst[0]).mean()) < 0.15
+    assert "| speed |" in result.table() and "of the twin's" in result.table()
 
-    def follow(env, action):
-        simulation = env.unwrapped.simulation
-        if not worlds:
-            worlds.append(Worlds(Twin(simulation), Patients.of_worlds(simulation.worlds)))
-        if action is not None:
-            with torch.no_grad():
-                felt[:] += worlds[0].step(torch.tensor(goals_of(action))).numpy()
 
-    agent, env_kwargs = load_agent(name), {"cohort": name.removeprefix("apg_"), "episode_s": 10.0}
-    real = jawenv.score(jawenv.play(agent, patients=24, seed=5100, env_kwargs=env_kwargs, on_step=follow)).discomfort_s
-    assert 0.1 < felt.mean() / real.mean() < 1.2
-    assert np.corrcoef(felt, real)[0, 1] > 0.5
+def test_a_budget_takes_the_same_discomfort_away_in_twin_and_environment():
+    free, kept = (
+        agreement({"cohort": "healthy", "comfort_budget_s": budget}, 12, 5200, "refined")
+        for budget in (None, 1.0 / 30.0)
+    )
+    less = kept.discomfort_s.sum(-1).mean(1) / free.discomfort_s.sum(-1).mean(1)
+    assert (less < 0.3).all()
 
 
 def test_log_worst_bounds_the_largest_sd(env):

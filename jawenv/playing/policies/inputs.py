@@ -1,0 +1,69 @@
+"""What a policy is shown: the parts of an observation that it knows, and the belief as it learned to read it.
+
+An observation says where a belief stands beside the prior. A policy that plays with another prior than it was trained
+with, of another cohort or of an earlier treatment, is shown the same belief beside its own prior.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jawenv.anatomy.prior import Prior
+from jawenv.base.errors import InputError
+from jawenv.envs.observation import OBSERVATION_BOUND, layouts, observation_layout
+from jawenv.playing.agents import Observation
+
+
+def fitted(rows: Observation, size: int, policy: object) -> Observation:
+    """Observations (N, size) as a policy knows them: without a question's or a budget's end, or with nothing spent.
+
+    Raises:
+        InputError: an observation of another model, or one without the question that the policy answers.
+    """
+    if rows.shape[1] == size:
+        return rows
+    kinds = layouts()
+    given, known = kinds.get(rows.shape[1]), kinds.get(size)
+    if given is None or known is None or given[0] != known[0] or known[1]:
+        raise InputError(f"{policy}: the policy was trained on observations of {size} values, got {rows.shape[1]}")
+    seen = np.zeros((len(rows), size), dtype=rows.dtype)
+    common = observation_layout(given[0])["time_left"].stop
+    seen[:, :common] = rows[:, :common]
+    return seen
+
+
+class OwnPrior:
+    """Beliefs beside the prior of an environment as beliefs beside a policy's own.
+
+    Args:
+        prior: that the policy was trained with.
+    """
+
+    def __init__(self, prior: Prior) -> None:
+        self._prior = prior
+        self._factor: Observation | None = None
+
+    def attach(self, env: Any) -> None:
+        """Take the prior of the worlds that are to be played."""
+        own, played = self._prior, env.unwrapped.simulation.cohort.prior
+        self._factor = None
+        if own.mean.shape != played.mean.shape or (_same(own.mean, played.mean) and _same(own.sd, played.sd)):
+            return
+        self._factor = np.concatenate([played.sd / own.sd, np.ones_like(own.sd)]).astype(np.float32)
+        beside = (played.mean - own.mean) / own.sd, np.log10(played.sd / own.sd)
+        self._beside = np.concatenate(beside).astype(np.float32)
+
+    def __call__(self, rows: Observation) -> Observation:
+        """The same observations (N, size) with another belief."""
+        if self._factor is None:
+            return rows
+        rows, belief = rows.copy(), len(self._factor)
+        moved = rows[:, :belief] * self._factor + self._beside
+        rows[:, :belief] = np.clip(moved, -OBSERVATION_BOUND, OBSERVATION_BOUND)
+        return rows
+
+
+def _same(a: Any, b: Any) -> bool:
+    return bool(np.array_equal(a, b))
