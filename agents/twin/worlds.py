@@ -102,16 +102,20 @@ class Worlds:
         for _ in range(LAWS_PER_DECISION):
             self._command(rate)
             self._move()
-            # The filter sees the gap within the encoders' noise: how often it learns falls smoothly.
-            readings = ((self.passive.gap - NEAR) / twin.encoder_sd[0]).sigmoid() * (twin.dt / TICK)
-            self.belief.learn(self._held(), readings)
+            self.belief.learn(self.held(), self.seen() * (twin.dt / TICK))
             self._feel()
             self.target = self.target + twin.dt * rate
-        self.belief.learn_from_shaking(self._held())
+        self.belief.learn_from_shaking(self.held())
         self.belief.renew()
         return self.discomfort - before
 
-    def _held(self) -> Held:
+    def seen(self) -> Tensor:
+        """Share (P,) of the readings from which the filter learns: it sees the gap within the encoders' noise."""
+        share: Tensor = ((self.passive.gap - NEAR) / self.twin.encoder_sd[0]).sigmoid()
+        return share
+
+    def held(self) -> Held:
+        """The jaws as the device holds them."""
         push = self.thrust[..., None] * self.twin.directions
         moment = torch.linalg.cross(self.motor_arms - self.arm[:, None, :], push).sum(1)
         device = torch.cat([push.sum(1), moment], -1)
