@@ -25,7 +25,7 @@ from jawenv.device.comfort import (
     SIDE,
 )
 from jawenv.device.device import LAW_TICKS, TICK
-from jawenv.device.guard import CREST_SHARE, DRIVERS, GUARDS
+from jawenv.device.guard import CREST_SHARE, DRIVERS, GUARDS, LOOK_AHEAD_S
 from jawenv.ladder import title_of_env
 
 STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
@@ -116,7 +116,7 @@ class Twin:
             [[float(channel in DRIVERS[limit]) for channel in CHANNELS] for limit in COMFORT_LIMITS]
         )
         self.drives = self.drives.double()
-        self.looks_ahead = torch.tensor([float(limit != "speed") for limit in COMFORT_LIMITS], dtype=torch.float64)
+        self.look_ahead_s = torch.tensor(list(LOOK_AHEAD_S.values()), dtype=torch.float64)
         self.onset = 1.0 + GOVERNOR_ONSET * (self.hard[list(STOPPED)] - 1.0)
         self.stop = float(device["stop_stiffness"])
         self.servo_damping = float(device["servo_damping"])

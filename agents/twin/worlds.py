@@ -21,11 +21,9 @@ from jawenv.device.device import TICK
 from jawenv.device.guard import (
     ASKED_MARGIN,
     BRAKE,
-    CAREFUL_FROM,
     FASTEST,
     FASTEST_BRAKE,
     GIVING_WAY,
-    LOOK_AHEAD_S,
     RECOVERY,
     REGROW,
     SHRINK_S,
@@ -235,30 +233,26 @@ class Worlds:
             self._keep_budget()
 
     def _costs(self) -> Tensor:
-        """Cost (P, 8) to be expected of used fractions f that shake by an sd s.
+        """Cost (P, 8) to be expected of used fractions that shake by ``COST_SD``.
 
-        It is s (phi(z) + z Phi(z)) over the way to the hard limit, with z = (f - 1) / s: smooth, with a gradient before
-        the limit.
+        It is smooth, so that there is a gradient before a limit.
         """
         sd = self.fractions.new_tensor(COST_SD)
-        z = (self.fractions - 1.0) / sd
-        density = (-0.5 * z.square()).exp() / sqrt(2.0 * pi)
-        costs: Tensor = sd * (density + z * torch.special.ndtr(z)) / (self.twin.hard - 1.0)
+        costs: Tensor = _above(self.fractions - 1.0, sd) / (self.twin.hard - 1.0)
         return costs
 
     def _keep_budget(self) -> None:
-        """``jawenv.device.guard.keep_budget``, spent by the discomfort to be expected."""
-        twin = self.twin
-        spent = (self.discomfort / (CAREFUL_FROM * twin.budget)).clamp(max=1.0)
-        asked = ASKED_MARGIN[0] + spent * (ASKED_MARGIN[1] - ASKED_MARGIN[0])
-        falls = (self.margin - self._margin).clamp(max=0.0) * twin.looks_ahead
-        left = self.margin + LOOK_AHEAD_S / twin.dt * falls
-        lack = ((asked[:, None] - left) / GIVING_WAY).clamp(0.0, 1.0)
-        of_channels = (lack[..., None] * twin.drives).amax(-2)
-        fastest = FASTEST_BRAKE * twin.dt * of_channels.new_tensor(FASTEST)
-        less = torch.minimum(self.kept * of_channels * (1.0 - exp(-BRAKE * twin.dt)), fastest)
-        more = (self.kept + RECOVERY * twin.dt).clamp(max=1.0)
-        self.kept = torch.where(of_channels > 0.0, self.kept - less, more)
+        """``jawenv.device.guard.keep_budget`` as it acts on average on margins that shake."""
+        twin, sd = self.twin, self.margin.new_tensor(COST_SD)
+        asked = ASKED_MARGIN[0] + self.discomfort / twin.budget * (ASKED_MARGIN[1] - ASKED_MARGIN[0])
+        left = self.margin + twin.look_ahead_s / twin.dt * (self.margin - self._margin).clamp(max=0.0)
+        missing = asked[:, None] - left
+        lack = (_above(missing, sd) - _above(missing - GIVING_WAY, sd)) / GIVING_WAY
+        lacking = torch.special.ndtr(missing / sd)
+        lack, lacking = ((values[..., None] * twin.drives).amax(-2) for values in (lack, lacking))
+        fastest = FASTEST_BRAKE * twin.dt * lack.new_tensor(FASTEST)
+        less = torch.minimum(self.kept * (1.0 - (-BRAKE * twin.dt * lack).exp()), fastest)
+        self.kept = (self.kept - less + (1.0 - lacking) * RECOVERY * twin.dt).clamp(max=1.0)
         self._margin = self.margin
 
     def _shrink(self, margin: Tensor) -> None:
@@ -270,3 +264,10 @@ class Worlds:
         less = torch.minimum((self.size - allowed) * (1.0 - exp(-twin.dt / SHRINK_S)), fastest)
         more = (self.size + REGROW * twin.dt).clamp(max=1.0)
         self.size = torch.where(allowed < self.size, self.size - less, more)
+
+
+def _above(x: Tensor, sd: Tensor) -> Tensor:
+    """Expectation of max(0, x + sd e) with e from N(0, 1): sd (phi(z) + z Phi(z)), z = x / sd."""
+    z = x / sd
+    expected: Tensor = sd * ((-0.5 * z.square()).exp() / sqrt(2.0 * pi) + z * torch.special.ndtr(z))
+    return expected

@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.device.channels import CHANNELS, N_CHANNELS
-from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS, SPEED
+from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 
@@ -45,9 +45,10 @@ DRIVERS: dict[str, tuple[str, ...]] = {
     "speed": CHANNELS,
     "tension": ("opening", "side"),
 }
-ASKED_MARGIN = (-0.1, 0.1)  # with all of the budget left, and from where ``CAREFUL_FROM`` of it is spent on
-CAREFUL_FROM = 0.5
-LOOK_AHEAD_S = 0.2  # a margin counts as it will be then, if it goes on falling as it does; that of speed as it is
+ASKED_MARGIN = (0.0, 0.3)  # with all of the budget left and with none; more and more beyond
+# A margin counts as it will be in so many s, if it goes on falling as it does. Opening and side end where their targets
+# do, so half as long; the speed shakes, and counts as it is.
+LOOK_AHEAD_S = dict.fromkeys(COMFORT_LIMITS, 0.2) | {"opening": 0.1, "side": 0.1, "speed": 0.0}
 GIVING_WAY = 0.1  # of margin: so much less than is asked for takes a channel back as fast as it may
 BRAKE = 5.0  # 1/s, of a channel's size then
 FASTEST_BRAKE = 4.0  # times ``FASTEST``
@@ -55,6 +56,7 @@ RECOVERY = 0.5  # 1/s, back towards full size
 
 _LIMITS = (*COMFORT_LIMITS, "crest")
 _GUARD = np.array([[GUARDS.get(limit, {}).get(channel, np.inf) for channel in CHANNELS] for limit in _LIMITS])
+_AHEAD_S = np.array(list(LOOK_AHEAD_S.values()))
 _DRIVES = np.array([[channel in DRIVERS[limit] for channel in CHANNELS] for limit in COMFORT_LIMITS])
 
 
@@ -123,14 +125,13 @@ def keep_budget(budget: Budget, margin, dt):
     """
     for limit in range(N_LIMITS):
         budget.spent += dt * max(-margin[limit], 0.0) / (budget.hard[limit] - 1.0)
-    spent = min(budget.spent / (CAREFUL_FROM * budget.whole), 1.0)
-    asked = ASKED_MARGIN[0] + spent * (ASKED_MARGIN[1] - ASKED_MARGIN[0])
+    asked = ASKED_MARGIN[0] + budget.spent / budget.whole * (ASKED_MARGIN[1] - ASKED_MARGIN[0])
     for channel in range(N_CHANNELS):
         lack = 0.0
         for limit in range(N_LIMITS):
             if _DRIVES[limit, channel]:
-                falls = min(margin[limit] - budget.margin[limit], 0.0) if limit != SPEED else 0.0
-                left = margin[limit] + LOOK_AHEAD_S / dt * falls
+                falls = min(margin[limit] - budget.margin[limit], 0.0)
+                left = margin[limit] + _AHEAD_S[limit] / dt * falls
                 lack = max(lack, min((asked - left) / GIVING_WAY, 1.0))
         if lack > 0.0:
             fastest = FASTEST_BRAKE * FASTEST[channel] * dt

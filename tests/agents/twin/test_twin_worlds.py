@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 import torch
 
-import jawenv
-from agents import load_agent
 from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.maneuver import action_of, goals_of
+from jawenv.playing.maneuvers.maneuver import action_of
 from training.search.agreement import agreement
 from training.search.gradient import maneuver_of, play, within_reach
 
