@@ -27,7 +27,7 @@ from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
 from jawenv.filter.settings import Geometry, fill_settings, noise_of, start_sd, used_readings, wrench_variances
-from jawenv.filter.tick import LAST_WINDOW, tick_dtype
+from jawenv.filter.tick import LAST_WINDOW, ROW
 from jawenv.kernels.noise import Streams, philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
@@ -86,7 +86,7 @@ class Simulation:
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self.scratches = record_zeros(threads, scratch_dtype(*sizes))
         self._beginnings = record_zeros(threads, beginning_dtype(sizes[1]))
-        self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), tick_dtype(sizes[2]))
+        self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), ROW)
         """(N, ticks) what was read, as far as it is kept."""
         self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
         """(N, ticks) what was true then, as far as it is kept."""
@@ -260,7 +260,7 @@ class Simulation:
         accepted = np.ones(len(chosen), dtype=np.bool_)
         for _ in range(REDRAWS):
             shared = Shared(self.device, self.settings, self.scratches)
-            begin(shared, self.models, self.worlds, waiting, self._beginnings, accepted, self.ticks)
+            begin(shared, self.models, self.worlds, waiting, self._beginnings, accepted)
             waiting = waiting & ~accepted
             if not waiting.any():
                 break

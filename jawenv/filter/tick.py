@@ -69,18 +69,9 @@ FIRST_WINDOW, LAST_WINDOW = 5, 20480
 MOVED = 0.05  # of a natural logarithm
 
 
-class Tick:
-    """One tick's readings for a replay of the filter: encoders at its end, load cell during it."""
-
-    measured: Annotated[Array, N_MEASUREMENTS]
-    samples: Annotated[Array, N_SAMPLES, N_WRENCH]
-    believed: Annotated[Array, "states"]  # motion before the first measurement; of row 0 alone
-
-
-@cache
-def tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of ``Tick``."""
-    return record_dtype(Tick, states=n_states)
+ROW = np.dtype([("measured", np.float64, N_MEASUREMENTS), ("samples", np.float64, (N_SAMPLES, N_WRENCH))], align=True)
+"""One tick's readings for a replay of the filter: encoders at its end, load cell during it. Nearly all of a world's
+memory are rows of it, so that they have no padding."""
 
 
 class FilterScratch:
@@ -225,7 +216,7 @@ def replay(jaw: Jaw, belief: Belief, rows, tick, settings: FilterSettings, scrat
     """
     belief.replayed_at[:] = belief.mean
     belief.nuisances_replayed_at[:] = belief.nuisances
-    begin_motion(belief, rows[0].believed, settings.start_sd)
+    begin_motion(belief, belief.began, settings.start_sd)
     forget_readings(belief)
     begin_drift(belief.drift)
     for k in range(tick + 1):
@@ -246,7 +237,7 @@ def filter_tick(
     Args:
         jaw: The filter's model.
         belief: Record of dtype ``belief_dtype``.
-        rows: (any number) records of dtype ``tick_dtype``, of the ticks so far, for replays.
+        rows: (any number) records of dtype ``ROW``, of the ticks so far, for replays.
         tick: Its number.
         measured: (12,) encoders at its end.
         samples: (3, 6) of the load cell during it.

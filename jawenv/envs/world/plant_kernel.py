@@ -48,7 +48,7 @@ def _take_moved(truth: Truth, motion):
 
 
 @njit
-def plant_rest(devices, models, worlds, i, all_settings, scratches, rows: StepRows, motion):
+def plant_rest(devices, models, worlds, i, all_settings, scratches, motion):
     """Let the episode of world i begin where its jaw rests, ``motion``; False if it cannot be treated there.
 
     It has begun at the midline model's rest, whose random numbers are drawn again.
@@ -58,7 +58,7 @@ def plant_rest(devices, models, worlds, i, all_settings, scratches, rows: StepRo
     treatable = count_from_rest(world.truth, world.known.limits)
     begin_device(device, models[i], world)
     begin_reality(world.truth, settings.reality, scratches[i])
-    reset_belief(device, models[i], world, settings, scratches[i], rows.ticks[i, 0])
+    reset_belief(device, models[i], world, settings, scratches[i])
     return treatable
 
 

@@ -61,7 +61,7 @@ class StepRows(NamedTuple):
     """The rows of each of N worlds that a step fills."""
 
     ticks: NDArray[np.void]
-    """(N, any number) records of dtype ``tick_dtype``, of the first ticks."""
+    """(N, any number) records of dtype ``ROW``, of the first ticks."""
     paths: NDArray[np.void]
     """(N, any number) records of dtype ``true_tick_dtype``, of the last ticks."""
     observation: NDArray[np.float32]

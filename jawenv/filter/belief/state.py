@@ -82,6 +82,7 @@ class Belief:
 
     motion: Annotated[Array, "motion"]  # and after it the disturbance, where it has memory
     motion_cov: Annotated[Array, "motion", "motion"]
+    began: Annotated[Array, "states"]  # motion before the first reading
     by_tension: Annotated[Array, "motion", "columns"]
     information: Annotated[Array, "columns", "columns"]
     score: Annotated[Array, "columns"]
@@ -96,7 +97,7 @@ class Belief:
     nuisances_replayed_at: Annotated[Array, "nuisances"]
     friction_share: Annotated[Array, "motors"]  # see ``device.force_sensor``
     jaw: Jaw  # the filter's model at the point, where there are nuisances
-    predicted: Annotated[Array, "predicted"]  # motion at the tick's end as the past alone has it
+    predicted: Annotated[Array, "states"]  # motion at the tick's end as the past alone has it
     smoothed: Annotated[Array, N_WRENCH]  # the load cell's trend over a shorter time, corrected
     # L^-1 of ``decompose``, of the information about gain error and nuisances at given tensions
     nuisance_factor: Annotated[Array, "shared", "shared"]
@@ -135,7 +136,7 @@ def belief_dtype(
         nuisances=n_nuisances,
         shared=shared_columns(n_nuisances),
         motors=N_MOTORS if n_nuisances else 0,
-        predicted=n_states,
+        states=n_states,
         lines=n_lines if n_nuisances else 1,
     )
 
@@ -223,9 +224,9 @@ def filter_settings_dtype(
 def begin_motion(belief: Belief, motion, sd):
     """Set the mean of the motion (n) before the first reading, no disturbance, and the sds of both."""
     belief.motion[:] = 0.0
-    for i in range(motion.shape[0]):
+    for i in range(belief.began.shape[0]):
+        belief.began[i] = motion[i]
         belief.motion[i] = motion[i]
-    for i in range(belief.predicted.shape[0]):
         belief.predicted[i] = motion[i]
     lose_motion(belief, sd)
 
