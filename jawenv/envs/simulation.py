@@ -31,10 +31,8 @@ from jawenv.filter.tick import LAST_WINDOW, ROW
 from jawenv.kernels.noise import Streams, philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
-from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.building import build_jaw, gravity_in_head
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
-from jawenv.reality import perturb_geometry
+from jawenv.mechanics.dynamics import N_BODY, N_STATES, N_WRENCH
 
 if TYPE_CHECKING:
     from jawenv.envs.fork import Fork
@@ -296,9 +294,16 @@ class Simulation:
         truth["no_cell"], truth["slack_below"] = self._motor_sds is not None, self._slack_below
         truth["friction_share"] = truth["motor_rate"] = 0.0  # at rest
         if self.knowledge.exact and self.reality.untold().exact and self._motor_sds is None:
-            perturb_geometry(self.reality, self.cohort.muscles, truth["jaw"], streams.geometry)
+            self._perturb_geometry(truth["jaw"], streams)
         else:
             self._draw_unknowns(truth, streams, anatomy_seed)
+
+    def _perturb_geometry(self, jaw: Any, streams: Streams) -> None:
+        """Let a true jaw's geometry differ from the filter's model, where the reality says so."""
+        if self.reality.moves_geometry:
+            from jawenv.reality.geometry import perturb_geometry
+
+            perturb_geometry(self.reality, self.cohort.muscles, jaw, streams.geometry)
 
     def _draw_unknowns(self, truth: Any, streams: Streams, anatomy_seed: int | None) -> None:
         """Draw what is not known exactly into a world's truth."""

@@ -10,8 +10,7 @@ from __future__ import annotations
 from jawenv.device.device import TICK
 from jawenv.device.motors import device_wrench
 from jawenv.envs.world.condyles import count_from_rest
-from jawenv.envs.world.load_cell import add_moments, clear_moments
-from jawenv.envs.world.plants import end_motion, lift_of, plus_wrench, take_free_body
+from jawenv.envs.world.plants import add_moments, clear_moments, end_motion, lift_of, plus_wrench, take_free_body
 from jawenv.envs.world.record import Truth
 from jawenv.envs.world.reset_kernel import begin_device, begin_reality, reset_belief
 from jawenv.envs.world.step_kernel import (

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from jawenv.device.channels import Tracker
 from jawenv.device.comfort import N_LIMITS, ComfortRecord, Limits, limits_dtype
-from jawenv.device.device import N_MOTORS
-from jawenv.device.force_sensor import N_ERRORS
+from jawenv.device.device import N_ERRORS, N_MOTORS
 from jawenv.device.motors import Motors
 from jawenv.filter.belief.state import (
     N_OFFSETS,

@@ -35,7 +35,7 @@ RANGE_STEPS = 10
 CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's travel
 
 
-class Beginning:
+class _Beginning:
     """One thread's working memory of ``begin``."""
 
     linear: Linear
@@ -49,8 +49,8 @@ class Beginning:
 
 @cache
 def beginning_dtype(n_lines: int) -> np.dtype[np.void]:
-    """Dtype of ``Beginning``."""
-    return record_dtype(Beginning, linear=linear_dtype(n_lines))
+    """Dtype of ``_Beginning``."""
+    return record_dtype(_Beginning, linear=linear_dtype(n_lines))
 
 
 @njit
@@ -63,7 +63,7 @@ def _write_position(jaw: Jaw, pose, positions, i):
 
 
 @njit
-def _open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Beginning):
+def _open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: _Beginning):
     """Poses from rest to the end of the painless range, in ``scratch``; returns the last one's number, -1 if none.
 
     ``pose`` (5 or more) is near the rest, and becomes it.
@@ -91,7 +91,7 @@ def _open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Begin
 
 
 @njit
-def set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, scratch: Beginning):
+def set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, scratch: _Beginning):
     """Comfort limits from the jaw's path of ``last`` + 1 poses; False when the painless range is too small."""
     poses, positions = scratch.poses, scratch.places
     set_general_limits(comfort, limits)

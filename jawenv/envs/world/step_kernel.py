@@ -224,7 +224,8 @@ def _take_comfort(world: World, scratch: Scratch, share):
     truth, limits = world.truth, world.known.limits
     q, u = split(truth.state)
     force = norm(mean_force(scratch.wrench))
-    used_fractions(truth.jaw, scratch.effective, limits, limits.tension, q, u, lift_of(truth), force, scratch.fractions)
+    motion = q, u, lift_of(truth)
+    used_fractions(truth.jaw, scratch.effective, limits, limits.tension, motion, force, scratch.fractions)
     for i in range(N_LIMITS):
         fraction = scratch.fractions[i]
         truth.fractions[i] = max(truth.fractions[i], fraction)
