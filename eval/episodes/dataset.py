@@ -41,7 +41,7 @@ def _dataset_id(entry: Entry) -> str:
 
 @dataclass(frozen=True)
 class Form:
-    """What is written of a data set."""
+    """Parts of a data set, and their form."""
 
     file_format: str = "arrow"  # of `FORMATS`
     croissant: bool = False  # a description for machines

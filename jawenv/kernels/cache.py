@@ -192,7 +192,7 @@ def _module_apart(name: str) -> tuple[list[bytes], list[tuple[str, Any]]]:
 
 
 def _of_module(module: str, name: str) -> Any:
-    """What a module calls by this name; for one of ``APART`` the module's own name."""
+    """The value of a name in a module; for one of ``APART`` the module's own name."""
     return module if module in APART else getattr(importlib.import_module(module), name)
 
 

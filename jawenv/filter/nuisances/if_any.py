@@ -1,4 +1,4 @@
-"""What the filter does about nuisances: nothing where a belief has none, and then ``changes`` is not loaded."""
+"""The filter's steps for nuisances: they do nothing, and ``changes`` is not loaded, where a belief has none."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: Fil
 
 @where(all_known, otherwise=f"{_CHANGES}.add_nuisance_readings")
 def add_nuisance_readings(jaw: Jaw, belief: Belief, settings: FilterSettings, used, scratch):
-    """What one sd of each nuisance adds to the readings, into its column."""
+    """The change of the readings by one sd of each nuisance, into its column."""
 
 
 @where(all_known, otherwise=f"{_CHANGES}.correct_samples")
