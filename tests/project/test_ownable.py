@@ -24,8 +24,8 @@ LARGEST = {
     "longest chain of imports": 31,
     "public top-level names": 1_575,
     "modules that a step loads": 105,
-    "lines that a step loads": 12_845,
-    "lines that eval compare loads": 24_272,
+    "lines that a step loads": 12_817,
+    "lines that eval compare loads": 23_296,
 }
 
 
