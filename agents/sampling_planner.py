@@ -71,7 +71,7 @@ class SamplingPlanner(Planner):
             ahead[:] = tried[i, np.argmax(score[i]), : len(ahead)]
 
 
-class Forecast(NamedTuple):
+class _Forecast(NamedTuple):
     """Expected results of K sequences of actions in each of N worlds."""
 
     gain: Array  # (N, K) growth of the potential, nats
@@ -93,7 +93,7 @@ class Prediction:
         self._real, self._candidates, self._goal = simulation, candidates, goal
         self._fork = simulation.fork(candidates, reward=goal, believed=not clairvoyant)
 
-    def try_out(self, actions: Array, chosen: Mask, keys: NDArray[np.uint64]) -> Forecast:
+    def try_out(self, actions: Array, chosen: Mask, keys: NDArray[np.uint64]) -> _Forecast:
         """Play sequences of actions from where the worlds are now.
 
         Args:
@@ -111,4 +111,4 @@ class Prediction:
             cost += truth["costs"].sum(axis=-1) / self._real.configuration.steps_per_s
         after, shape = potential(self._goal, self._fork), (len(chosen), self._candidates)
         lost = (truth["violated"] != 0) | ~np.isfinite(filters["log_det"]) | ~np.isfinite(cost)
-        return Forecast(after.reshape(shape) - before[:, None], cost.reshape(shape), lost.reshape(shape))
+        return _Forecast(after.reshape(shape) - before[:, None], cost.reshape(shape), lost.reshape(shape))

@@ -136,7 +136,7 @@ def ship_cache(cache: Path, folder: Path) -> int:
     return len(files)
 
 
-def compile_alike(cache: str) -> None:
+def _compile_alike(cache: str) -> None:
     """Compile for this process's level, unplayed, what the cache holds for another."""
     for file in _called_by_python(Path(cache)):
         _, described, _, signature, *_ = _parts(file)

@@ -2,7 +2,8 @@
 
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
-from jawenv.mechanics.bilateral import bilateral_rate, split_body
+from jawenv.mechanics.bilateral import bilateral_rate
+from jawenv.mechanics.kinematics import split_body
 
 
 @njit_within

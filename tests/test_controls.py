@@ -40,7 +40,7 @@ def test_one_default_for_all() -> None:
     assert study.controls == (DEFAULT_CONTROL,)
 
 
-@pytest.mark.parametrize("app", [eval.commands.app.app, training.cli.app], ids=["eval", "training"])
+@pytest.mark.parametrize("app", [eval.commands.app.commands(), training.cli.app], ids=["eval", "training"])
 def test_commands_have_the_same_default_or_none(app: typer.Typer) -> None:
     found = []
     for command in typer.main.get_command(app).commands.values():  # type: ignore[attr-defined]

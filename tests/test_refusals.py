@@ -23,7 +23,7 @@ from jawenv import InputError
 from jawenv.analysis.identifiability import collinearity, collinearity_of_size, in_words
 from jawenv.analysis.observability import observability
 from jawenv.anatomy import MuscleSet, Patient, Prior, attachment, cohort, default_fossa, default_mandible, muscle_set
-from jawenv.anatomy.stiffness import Stiffness
+from jawenv.anatomy.prior import Stiffness
 from jawenv.ladder import model_named, model_of_env
 from jawenv.mechanics import build_jaw
 from jawenv.metrics import diagnose, nees, time_to

@@ -128,7 +128,8 @@ def midline_rests(wrenches: np.ndarray) -> np.ndarray:
 
 def bilateral() -> Figure:
     """Rest under a side force and under a roll moment: one point in the middle against two condyles on discs."""
-    from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body
+    from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral
+    from jawenv.mechanics.kinematics import split_body
 
     jaw, muscles = build_jaw(), np.tile([4.0, 10.0], (6, 1))
     figure, axes = canvas(9.6, 5.6, 2, 2, sharex="col", height_ratios=(1.3, 1.0))

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterable
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, cast
 
 import typer
 
 from eval.commands import options
-from eval.commands.benchmark import benchmark_command
-from eval.commands.calibration import calibrate_command
-from eval.commands.comparison import card_command, compare_command, contest_command, replay_command, report_command
-from eval.commands.dataset import dataset_command
-from eval.commands.information import information_command
-from eval.commands.live import live_command
 from eval.commands.options import terminal, typed
-from eval.commands.patient import diagnose_command, patient_command
 from jawenv.base.errors import InputError
 from jawenv.base.seeds import REPORTS
 from jawenv.commands.running import command_line, run
@@ -25,22 +20,7 @@ INTERRUPTED = 130
 QUICK_DRAWS = 4
 MOST_FILMED = 2
 
-app = command_line("Compare maneuvers and trained agents on the same patients; draw the thesis's results again.")
 
-
-app.command("compare")(compare_command)
-app.command("report")(report_command)
-app.command("card")(card_command)
-app.command("contest")(contest_command)
-app.command("replay")(replay_command)
-app.command("calibrate")(calibrate_command)
-app.command("dataset")(dataset_command)
-app.command("information")(information_command)
-app.command("benchmark")(benchmark_command)
-app.command("live")(live_command)
-
-
-@app.command("play")
 @options.takes_world()
 def play_command(
     world: dict[str, Any],
@@ -77,7 +57,6 @@ def play_command(
     console.print(summary + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)
 
 
-@app.command("study")
 def _study_command(
     study: Annotated[str | None, typer.Argument(metavar="[NAME|FILE]", help="A study of --list, or a file.")] = None,
     listing: Annotated[bool, typer.Option("--list", help="Say which studies come with the project.")] = False,
@@ -113,7 +92,6 @@ def _study_command(
         command.study(study, patients, output, how, typed(), console, trust)
 
 
-@app.command("thesis")
 def _thesis_command(
     draws: Annotated[int, typer.Option(help="Of each result; the thesis has 1,000.", metavar="N")] = 1000,
     only: Annotated[
@@ -140,8 +118,35 @@ def _thesis_command(
     study(only, settings, output, Run(fresh, console=console), typed(), console)
 
 
-app.command("patient")(patient_command)
-app.command("diagnose")(diagnose_command)
+COMMANDS: dict[str, Callable[..., None] | str] = {
+    "compare": "eval.commands.comparison",
+    "report": "eval.commands.comparison",
+    "card": "eval.commands.comparison",
+    "contest": "eval.commands.comparison",
+    "replay": "eval.commands.comparison",
+    "calibrate": "eval.commands.calibration",
+    "dataset": "eval.commands.dataset",
+    "information": "eval.commands.information",
+    "benchmark": "eval.commands.benchmark",
+    "live": "eval.commands.live",
+    "play": play_command,
+    "study": _study_command,
+    "thesis": _thesis_command,
+    "patient": "eval.commands.patient",
+    "diagnose": "eval.commands.patient",
+}
+"""What runs a command, or the module that has it."""
+
+
+def commands(names: Iterable[str] = COMMANDS) -> typer.Typer:
+    """The command line of these commands; modules of others are not loaded."""
+    app = command_line("Compare maneuvers and trained agents on the same patients; draw the thesis's results again.")
+    for name in names:
+        command = COMMANDS[name]
+        if isinstance(command, str):
+            command = getattr(import_module(command), f"{name}_command")
+        app.command(name)(command)
+    return app
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -150,7 +155,9 @@ def main(arguments: list[str] | None = None) -> int:
     Returns:
         Exit code: 0 done, 2 unusable input, 130 interrupted.
     """
-    code = run(app, "python -m eval", arguments, "fewer patients, or shorter episodes,")
+    arguments = sys.argv[1:] if arguments is None else arguments
+    asked = arguments[:1] if arguments and arguments[0] in COMMANDS else COMMANDS
+    code = run(commands(asked), "python -m eval", arguments, "fewer patients, or shorter episodes,")
     if code == INTERRUPTED:  # typer catches Ctrl-C itself
         print("interrupted: what is finished is kept, the same command goes on from there", file=sys.stderr)
     return code

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -54,6 +56,7 @@ def compare_command(
     there.
     """
     from eval.comparison.admission import AdmissionLimits
+    from eval.comparison.motion import play_patient
     from eval.comparison.results import compare
     from eval.kept.entries import Settings, env_of_runs, load_entries, maneuver_names
 
@@ -70,7 +73,8 @@ def compare_command(
 
         loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
-    _present(study, output, reference, admission, console, details, trust=trust, own_modules=True)
+    play = partial(play_patient, trust=trust, own_modules=True)
+    _present(study, output, reference, admission, console, details, play)
 
 
 def report_command(
@@ -88,10 +92,12 @@ def report_command(
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
     from eval.comparison.admission import AdmissionLimits
+    from eval.comparison.motion import play_patient
 
     admission = AdmissionLimits(largest_discomfort_s, largest_violation)
     study = results.load(folder)
-    _present(study, folder, reference, admission, terminal(), details, patient, trust=trust)
+    play = partial(play_patient, seed=patient, trust=trust)
+    _present(study, folder, reference, admission, terminal(), details, play)
 
 
 def card_command(
@@ -163,12 +169,8 @@ def _present(
     admission: AdmissionLimits,
     console: Console,
     details: bool,
-    patient: int | None = None,
-    *,
-    trust: bool = False,
-    own_modules: bool = False,
+    play: Callable[[Results, Collection[str], Console], Results],
 ) -> None:
-    from eval.comparison.motion import play_patient
     from eval.comparison.ranking import rank
     from eval.comparison.trainings import adaptations, gains
     from eval.report import films, page, table
@@ -182,7 +184,7 @@ def _present(
     table.show_gains(tuple(new), console)
     with alone(output):
         labels = films.candidates(ranking, learned(study, ranking))
-        study = play_patient(study, labels, console, patient, trust=trust, own_modules=own_modules)
+        study = play(study, labels, console)
         console.print("drawing the report")
         written = page.write(study, ranking, output / "report.html")
         if study_gains:

@@ -36,7 +36,7 @@ def dataset_command(
     MINARI_DATASETS_PATH=FOLDER makes minari.load_dataset find them. Without names these are random, hold_still,
     slow_opening, opening_with_swings_and_fore_aft and refined.
     """
-    from eval.episodes.dataset import FORMATS, REFERENCES, write_all
+    from eval.episodes.dataset import FORMATS, REFERENCES, Form, write_all
     from eval.kept.entries import Settings
     from jawenv.base.errors import InputError, shown
 
@@ -44,8 +44,7 @@ def dataset_command(
         raise InputError(f"format is {shown(file_format)}; allowed: {', '.join(FORMATS)}")
     settings = Settings.of(patients, seed, **world)
     console = terminal()
-    asked = entries or list(REFERENCES)
-    extra = {"fresh": fresh, "trust": trust, "croissant": croissant}
-    names = write_all(asked, settings, output, file_format, typed(), console, **extra)
+    asked, form = entries or list(REFERENCES), Form(file_format, croissant)
+    names = write_all(asked, settings, output, form, typed(), console, fresh=fresh, trust=trust)
     for name in names:
         console.print(f"{output / name}", soft_wrap=True)

@@ -7,6 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -38,17 +39,33 @@ def _dataset_id(entry: Entry) -> str:
     return f"jawenv/{model_of_env(entry.env_id).name}/{name}-v{VERSION}"
 
 
+@dataclass(frozen=True)
+class Form:
+    """Parts of a data set, and their form."""
+
+    file_format: str = "arrow"  # of `FORMATS`
+    croissant: bool = False  # a description for machines
+
+    def require_packages(self) -> None:
+        """An error in one line where a package is missing."""
+        if self.croissant:
+            with needs("--croissant", "mlcroissant", group="dataset"):
+                import mlcroissant  # noqa: F401
+        if self.file_format == "hdf5":
+            with needs("--format hdf5", "h5py", group="dataset"):
+                import h5py  # noqa: F401
+
+
 def write_all(
     specs: Sequence[str],
     settings: Settings,
     output: Path,
-    file_format: str,
+    form: Form,
     command: str,
     console: Console,
     *,
     fresh: bool = False,
     trust: bool = False,
-    croissant: bool = False,
 ) -> list[str]:
     """Write a data set for every entry.
 
@@ -56,24 +73,18 @@ def write_all(
         specs: maneuvers, files, runs, exported policies or agents of one's own.
         settings: on whom and how they are played.
         output: folder that Minari will find them in.
-        file_format: of `FORMATS`.
+        form: what is written of each.
         command: for the description.
         console: where progress is shown.
         fresh: whether data sets that are there are replaced.
         trust: whether stable-baselines3 checkpoints may be unpickled.
-        croissant: whether each gets a description for machines.
 
     Returns:
         Names of the data sets.
     """
     with needs("python -m eval dataset", "minari", group="dataset"):
         import minari
-    if croissant:
-        with needs("--croissant", "mlcroissant", group="dataset"):
-            import mlcroissant  # noqa: F401
-    if file_format == "hdf5":
-        with needs("--format hdf5", "h5py", group="dataset"):
-            import h5py  # noqa: F401
+    form.require_packages()
     git = made_with(command)["git"]
     made = f"Made by: {command}; jawenv {jawenv.__version__}" + (f", commit {git['commit']}" if git else "")
     entries = load_entries(specs, settings.world, trust=trust)
@@ -96,8 +107,8 @@ def write_all(
             progress.say(entry.label)
             done = number * settings.patients
             description = _description(entry, settings, made)
-            _write(entry, settings, file_format, description, partial(_advance, progress, done))
-            if croissant:
+            _write(entry, settings, form.file_format, description, partial(_advance, progress, done))
+            if form.croissant:
                 write_croissant(output / _dataset_id(entry), _dataset_id(entry), description)
     return [_dataset_id(entry) for entry in entries]
 

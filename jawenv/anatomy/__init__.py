@@ -2,8 +2,7 @@
 
 from jawenv.anatomy.attachments import Attachment, AttachmentRow, attachment, attachment_rows
 from jawenv.anatomy.cohorts import COHORTS, Cohort, cohort
-from jawenv.anatomy.fossa import Fossa, default_fossa
-from jawenv.anatomy.mandible import Mandible, default_mandible
+from jawenv.anatomy.mandible import Fossa, Mandible, default_fossa, default_mandible
 from jawenv.anatomy.muscles import (
     MUSCLE_NAMES,
     PARAMETER_NAMES,
@@ -17,9 +16,8 @@ from jawenv.anatomy.muscles import (
     two_sides,
 )
 from jawenv.anatomy.patient import Patient
-from jawenv.anatomy.prior import Prior
+from jawenv.anatomy.prior import Prior, Stiffness
 from jawenv.anatomy.quantities import Quantity, load_quantities
-from jawenv.anatomy.stiffness import Stiffness
 
 __all__ = [
     "COHORTS",

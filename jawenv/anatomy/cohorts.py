@@ -26,8 +26,7 @@ from scipy.special import ndtr, ndtri
 
 from jawenv.anatomy.muscles import MuscleSet, muscle_set
 from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N, Patient
-from jawenv.anatomy.prior import Prior
-from jawenv.anatomy.stiffness import Stiffness
+from jawenv.anatomy.prior import Prior, Stiffness
 from jawenv.base.errors import InputError, not_among, shown
 from jawenv.base.files import FILE_TYPES, InputModel, Number, Source, Text, instance_of, read_into, validate
 from jawenv.base.numeric_fields import whole_number
@@ -35,7 +34,7 @@ from jawenv.base.numeric_fields import whole_number
 Positive = Annotated[Number, Field(gt=0)]
 
 
-class StiffnessFields(InputModel):
+class _StiffnessFields(InputModel):
     """The fields of `Stiffness`."""
 
     F_o_N: Positive
@@ -44,20 +43,20 @@ class StiffnessFields(InputModel):
     b_sd: Positive
 
 
-class GroupFields(InputModel):
+class _GroupFields(InputModel):
     """Stiffness of every whole muscle on each side."""
 
-    left: StiffnessFields
-    right: StiffnessFields
+    left: _StiffnessFields
+    right: _StiffnessFields
 
 
-class CohortFields(InputModel):
+class _CohortFields(InputModel):
     """Equally likely groups, and what tables call the cohort."""
 
     name: Text = Field(default="cohort", min_length=1)
     description: Text = ""
     basis: str = ""
-    groups: list[GroupFields] = Field(min_length=1)
+    groups: list[_GroupFields] = Field(min_length=1)
 
 
 __all__ = ["COHORTS", "TRUNCATION_SD", "Cohort", "cohort"]
@@ -153,7 +152,7 @@ class Cohort:
         Raises:
             InputError: one line that names the field, the value and what is allowed.
         """
-        content = validate(CohortFields, data, cls.__name__)
+        content = validate(_CohortFields, data, cls.__name__)
         groups = tuple(
             (Stiffness(**group.left.model_dump()), Stiffness(**group.right.model_dump())) for group in content.groups
         )

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.attachments import Attachment, attachment
-from jawenv.anatomy.fossa import Fossa, default_fossa
-from jawenv.anatomy.mandible import Mandible, default_mandible
+from jawenv.anatomy.mandible import Fossa, Mandible, default_fossa, default_mandible
 from jawenv.anatomy.muscles import PORTIONS, SIDES, MuscleSet, muscle_sets
 from jawenv.base.errors import InputError, shown
 from jawenv.base.files import Source, instance_of, read_into

@@ -45,7 +45,7 @@ def to_si(value: Number | list[Number] | list[list[Number]], unit: Unit) -> NDAr
 
 def read_data(name: str) -> dict[str, object]:
     """The content of one of the package's data files."""
-    with as_file(files("jawenv.anatomy.data") / name) as path:
+    with as_file(files("jawenv.anatomy") / "data" / name) as path:
         return read_mapping(path)
 
 

@@ -38,7 +38,7 @@ _TO_SI = {"mm": (1.0, 1e3), "mm/s": (1.0, 1e3), "ms": (1.0, 1e3), "deg": (math.p
 """Factor and divisor of a unit, from it to SI units."""
 
 
-class NumericField(NamedTuple):
+class _NumericField(NamedTuple):
     """A field's range and unit."""
 
     high: float  # the highest value
@@ -57,7 +57,7 @@ class NumericField(NamedTuple):
 
 def number(default: float, high: float, unit: str, *, zero: bool = True, record: str | None = None) -> Any:
     """A field of `NumericFields`; see `NumericField`."""
-    return field(default=default, metadata={"number": NumericField(high, unit, zero, record)})
+    return field(default=default, metadata={"number": _NumericField(high, unit, zero, record)})
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class NumericFields:
             object.__setattr__(self, name, real)
 
     @classmethod
-    def numeric_fields(cls) -> dict[str, NumericField]:
+    def numeric_fields(cls) -> dict[str, _NumericField]:
         """Range and unit of each field."""
         return {entry.name: entry.metadata["number"] for entry in fields(cls)}
 

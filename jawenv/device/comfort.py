@@ -113,11 +113,12 @@ def set_tension_limits(jaw: Jaw, muscles, limits: Limits, tension):
 
 
 @njit
-def used_fractions(jaw: Jaw, muscles, limits: Limits, tension_limits, q, u, lift, force, fractions):
+def used_fractions(jaw: Jaw, muscles, limits: Limits, tension_limits, motion, force, fractions):
     """Fill ``fractions`` (8) for a motion, the lines' (F_o, b) and the magnitude of the force on the mouthpiece.
 
-    ``lift`` as in ``motors.mouthpiece_motion``, ``tension_limits`` as in ``set_tension_limits``.
+    ``motion`` as in ``motors.device_wrench``, ``tension_limits`` as in ``set_tension_limits``.
     """
+    q, u, lift = motion
     body_to_head = rotation(q)
     contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
     _, slope, _, _ = fossa(jaw, q[0])

@@ -20,6 +20,9 @@ from jawenv.kernels.records import Array, record_dtype, record_zeros
 TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
 LAW_TICKS = 5  # from one command of the law of targets to the next: 20 Hz
 N_MOTORS = 4
+# Gain, Coulomb friction (N), viscous friction (N s/m), and a turn of the direction (3, rad, head axes), of each motor
+# where no load cell reads the force (``force_sensor``).
+N_ERRORS = 6
 MOTOR_NAMES = ("vertical_left", "vertical_right", "horizontal_left", "horizontal_right")
 
 

@@ -24,7 +24,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.device.device import N_MOTORS, Device, DeviceRecord, Linkage
+from jawenv.device.device import N_ERRORS, N_MOTORS, Device, DeviceRecord, Linkage
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply_transposed, cross, dot, row3, scale
@@ -34,8 +34,6 @@ from jawenv.mechanics.kinematics import rotation, split
 ForceSensor = Literal["cell", "motors", "straps"]
 FORCE_SENSORS = get_args(ForceSensor)
 
-# Gain, Coulomb friction (N), viscous friction (N s/m), and a turn of the direction (3, rad, head axes), of each motor.
-N_ERRORS = 6
 N_SDS = 5  # of the errors of a motor: the turn of the direction is about two axes
 UNKNOWN_SHARE = 0.3  # sd; as noise that is new in each tick it weighs about what errors of 0.07 do that last 0.1 s (D)
 PRESLIDING = 0.5e-3  # m at the mouthpiece, 0.1 mm at the motor, over which friction comes to its level (G)

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
 from jawenv.envs.world.plants import take_body
-from jawenv.mechanics.bilateral import N_BODY
-from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.dynamics import N_BODY, N_STATES
 
 QUIET = 1e-3
 """Share of the noise in the copies. Not 0, since the filter leaves a reading out that repeats the last to the bit."""

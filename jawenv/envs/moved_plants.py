@@ -127,7 +127,7 @@ class MovedPlants:
         rng = np.random.default_rng(truth["key"].tolist())
         motion = plant.begin(self._patient(truth), rng)
         device, settings, scratches = self._shared
-        if not plant_rest(device, self._models, self._worlds, i, settings, scratches, self._rows, motion):
+        if not plant_rest(device, self._models, self._worlds, i, settings, scratches, motion):
             x, y, z = (1e3 * np.array(motion[0][:3])).tolist()
             raise InputError(
                 f"the plant rests with the condyles' midpoint at ({x:.1f}, {y:.1f}, {z:.1f}) mm and opened by "

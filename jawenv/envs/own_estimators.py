@@ -139,13 +139,13 @@ class OwnEstimators:
         """The start of an episode for the estimator of world ``index``."""
         simulation = self._simulation
         settings, noise = simulation.settings["filter"][0], simulation.settings["noise_variance"][0]
-        states = simulation.ticks["believed"].shape[2]
+        began = simulation.worlds["known"]["belief"]["began"][index]
         return EpisodeStart(
             parameter_names=simulation.parameter_names,
             prior=simulation.cohort.prior,
             jaw=simulation.models[index].copy(),
-            start_mean=simulation.ticks["believed"][index, 0].copy(),
-            start_sd=settings["start_sd"][:states].copy(),
+            start_mean=began.copy(),
+            start_sd=settings["start_sd"][: len(began)].copy(),
             tick_s=TICK,
             ticks_per_step=simulation.configuration.ticks_per_step,
             measurement_sd=np.sqrt(settings["measurement_variance"]),

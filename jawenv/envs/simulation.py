@@ -27,14 +27,12 @@ from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
 from jawenv.filter.settings import Geometry, fill_settings, noise_of, start_sd, used_readings, wrench_variances
-from jawenv.filter.tick import LAST_WINDOW, tick_dtype
+from jawenv.filter.tick import LAST_WINDOW, ROW
 from jawenv.kernels.noise import Streams, philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
-from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.building import build_jaw, gravity_in_head
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
-from jawenv.reality import perturb_geometry
+from jawenv.mechanics.dynamics import N_BODY, N_STATES, N_WRENCH
 
 if TYPE_CHECKING:
     from jawenv.envs.fork import Fork
@@ -86,7 +84,7 @@ class Simulation:
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self.scratches = record_zeros(threads, scratch_dtype(*sizes))
         self._beginnings = record_zeros(threads, beginning_dtype(sizes[1]))
-        self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), tick_dtype(sizes[2]))
+        self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), ROW)
         """(N, ticks) what was read, as far as it is kept."""
         self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
         """(N, ticks) what was true then, as far as it is kept."""
@@ -263,7 +261,7 @@ class Simulation:
         accepted = np.ones(len(chosen), dtype=np.bool_)
         for _ in range(REDRAWS):
             shared = Shared(self.device, self.settings, self.scratches)
-            begin(shared, self.models, self.worlds, waiting, self._beginnings, accepted, self.ticks)
+            begin(shared, self.models, self.worlds, waiting, self._beginnings, accepted)
             waiting = waiting & ~accepted
             if not waiting.any():
                 break
@@ -299,9 +297,16 @@ class Simulation:
         truth["no_cell"], truth["slack_below"] = self._motor_sds is not None, self._slack_below
         truth["friction_share"] = truth["motor_rate"] = 0.0  # at rest
         if self.knowledge.exact and self.reality.untold().exact and self._motor_sds is None:
-            perturb_geometry(self.reality, self.cohort.muscles, truth["jaw"], streams.geometry)
+            self._perturb_geometry(truth["jaw"], streams)
         else:
             self._draw_unknowns(truth, streams, anatomy_seed)
+
+    def _perturb_geometry(self, jaw: Any, streams: Streams) -> None:
+        """Let a true jaw's geometry differ from the filter's model, where the reality says so."""
+        if self.reality.moves_geometry:
+            from jawenv.reality.geometry import perturb_geometry
+
+            perturb_geometry(self.reality, self.cohort.muscles, jaw, streams.geometry)
 
     def _draw_unknowns(self, truth: Any, streams: Streams, anatomy_seed: int | None) -> None:
         """Draw what is not known exactly into a world's truth."""

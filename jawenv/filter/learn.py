@@ -13,8 +13,7 @@ from jawenv.filter.belief.posterior import PosteriorScratch, posterior_dtype, up
 from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.belief.state import FARTHEST, Belief, FilterSettings, tension_columns
 from jawenv.filter.model.basis import N_NODES, set_coefficients
-from jawenv.filter.nuisances.changed_jaw import move_jaw
-from jawenv.filter.nuisances.changes import is_apart
+from jawenv.filter.nuisances.if_any import move_nuisances
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 
@@ -71,16 +70,11 @@ def set_steps(belief: Belief, scratch: LearnScratch):
 def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     """Move motion and score to the belief's mean.
 
-    Beside a disturbance with memory, what a jaw at rest does not show stays at its nominal value (``is_apart``).
+    Beside a disturbance with memory, what a jaw at rest does not show stays nominal (``changes.is_apart``).
     """
     set_steps(belief, scratch)
-    row, first = scratch.row, belief.nominal.shape[0] * belief.nominal.shape[1] + 1
-    if belief.nuisances.shape[0] > 0:
-        for k in range(belief.nuisances.shape[0]):
-            if is_apart(settings) and not settings.nuisances.at_rest[k]:
-                row[first + k] = 0.0
-            belief.nuisances[k] += row[first + k]
-        move_jaw(belief.jaw, settings.nuisances, row, first)
+    row = scratch.row
+    move_nuisances(belief, settings, row, belief.nominal.shape[0] * belief.nominal.shape[1] + 1)
     for i in range(belief.motion.shape[0]):
         for j in range(row.shape[0]):
             belief.motion[i] += belief.by_tension[i, j] * row[j]

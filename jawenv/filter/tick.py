@@ -39,8 +39,7 @@ from jawenv.filter.learn import LearnScratch, conclude, keep_passing, learn, lea
 from jawenv.filter.model.basis import build_basis
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
-from jawenv.filter.nuisances.changed_jaw import copy_jaw
-from jawenv.filter.nuisances.changes import correct_readings, follow_friction, has_nuisances
+from jawenv.filter.nuisances.if_any import all_known, begin_jaw, correct_readings, follow_friction
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.lasting import add_lasting_noise, weight_of_stay
 from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
@@ -69,18 +68,9 @@ FIRST_WINDOW, LAST_WINDOW = 5, 20480
 MOVED = 0.05  # of a natural logarithm
 
 
-class Tick:
-    """One tick's readings for a replay of the filter: encoders at its end, load cell during it."""
-
-    measured: Annotated[Array, N_MEASUREMENTS]
-    samples: Annotated[Array, N_SAMPLES, N_WRENCH]
-    believed: Annotated[Array, "states"]  # motion before the first measurement; of row 0 alone
-
-
-@cache
-def tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of ``Tick``."""
-    return record_dtype(Tick, states=n_states)
+ROW = np.dtype([("measured", np.float64, N_MEASUREMENTS), ("samples", np.float64, (N_SAMPLES, N_WRENCH))], align=True)
+"""One tick's readings for a replay of the filter: encoders at its end, load cell during it. Nearly all of a world's
+memory are rows of it, so that they have no padding."""
 
 
 class FilterScratch:
@@ -121,8 +111,7 @@ def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
 @njit
 def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
     """Initialise the filter with the prior and the mean ``motion`` (n) before the first reading."""
-    if belief.nuisances.shape[0] > 0:
-        copy_jaw(jaw, belief.jaw)
+    begin_jaw(jaw, belief)
     begin_motion(belief, motion, settings.start_sd)
     begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
     for k in range(belief.nuisance_factor.shape[0] - belief.nuisances.shape[0]):
@@ -130,14 +119,14 @@ def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
     belief.gated = 0
 
 
-def _known_jaw(jaw: Jaw, belief: Belief):
-    return jaw
+def _jaw_at_mean(jaw: Jaw, belief: Belief):
+    return belief.jaw
 
 
-@where(has_nuisances, otherwise=_known_jaw)
+@where(all_known, otherwise=_jaw_at_mean)
 def _model_of(jaw: Jaw, belief: Belief):
     """The jaw for the filter: the nominal one, or with nuisances the one at their mean."""
-    return belief.jaw
+    return jaw
 
 
 @njit
@@ -225,7 +214,7 @@ def replay(jaw: Jaw, belief: Belief, rows, tick, settings: FilterSettings, scrat
     """
     belief.replayed_at[:] = belief.mean
     belief.nuisances_replayed_at[:] = belief.nuisances
-    begin_motion(belief, rows[0].believed, settings.start_sd)
+    begin_motion(belief, belief.began, settings.start_sd)
     forget_readings(belief)
     begin_drift(belief.drift)
     for k in range(tick + 1):
@@ -246,7 +235,7 @@ def filter_tick(
     Args:
         jaw: The filter's model.
         belief: Record of dtype ``belief_dtype``.
-        rows: (any number) records of dtype ``tick_dtype``, of the ticks so far, for replays.
+        rows: (any number) records of dtype ``ROW``, of the ticks so far, for replays.
         tick: Its number.
         measured: (12,) encoders at its end.
         samples: (3, 6) of the load cell during it.

@@ -10,7 +10,9 @@ A wheel brings the kernels of common models, for each of ``LEVELS``, in a second
 
 from __future__ import annotations
 
+import ast
 import hashlib
+import importlib
 import inspect
 import os
 import pickle
@@ -22,6 +24,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -38,7 +41,19 @@ from jawenv.base.files import atomic_write
 from jawenv.kernels.linked import reading_linked
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
-MADE_OF = "made_of"  # attribute of a kernel's part: the functions that it stands for
+MADE_OF = "made_of"  # attribute of a kernel's part: the functions that it stands for, and names of ``APART``
+APART = frozenset(
+    {
+        "jawenv.envs.world.two_condyles",
+        "jawenv.filter.model.body_step",
+        "jawenv.filter.nuisances.changed_jaw",
+        "jawenv.filter.nuisances.changes",
+        "jawenv.filter.nuisances.without_cell",
+        "jawenv.mechanics.bilateral",
+        "jawenv.mechanics.bilateral_linear",
+    }
+)
+"""Modules of kernels that are loaded only where a model needs them (``compiled.where``): digests read their text."""
 CHECKSUM_BYTES = 32  # sha256
 UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
 _V3 = "+avx,+avx2,+bmi,+bmi2,+f16c,+fma,+lzcnt,+movbe"
@@ -105,19 +120,26 @@ def prune_cache() -> None:
 def kernel_digest(function: FunctionType) -> str:
     """Sixteen hexadecimal digits that change with the kernel, with what it calls and with Numba's version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    seen: set[int] = set()
+    seen: set[Any] = set()
     pending: list[Any] = [function]
     while pending:
         part = pending.pop()
-        if id(part) in seen:
+        if part in seen:
             continue
-        seen.add(id(part))
-        digest.update(f"{part.__module__}.{part.__qualname__}{part.__dict__.get(OPTIONS)}".encode())
-        for piece in _pieces_of(part.__code__, part.__doc__):
+        seen.add(part)
+        if isinstance(part, str):
+            pieces, references = _module_apart(part)
+        else:
+            digest.update(f"{part.__module__}.{part.__qualname__}{part.__dict__.get(OPTIONS)}".encode())
+            pieces, references = [*_pieces_of(part.__code__, part.__doc__)], [*_references(part)]
+        for piece in pieces:
             digest.update(piece)
-        for name, value in _references(part):
+        for name, value in references:
             called = _function_of(value)
-            if hasattr(value, MADE_OF):
+            module = value if isinstance(value, str) else getattr(called, "__module__", "")
+            if module in APART:
+                pending.append(module)
+            elif hasattr(value, MADE_OF):
                 pending += getattr(value, MADE_OF)
             elif called is not None:
                 pending.append(called)
@@ -152,6 +174,26 @@ def _references(function: FunctionType) -> Iterator[tuple[str, Any]]:
                 for member in function.__code__.co_names
                 if hasattr(value, member)
             )
+
+
+@cache
+def _module_apart(name: str) -> tuple[list[bytes], list[tuple[str, Any]]]:
+    """Code of one of ``APART``, which need not be loaded, and what its functions use of other modules."""
+    spec: Any = find_spec(name)
+    source = spec.loader.get_source(name)
+    if source is None:  # an installation without sources, whose files do not change
+        return [*_pieces_of(spec.loader.get_code(name), None)], []
+    tree = ast.parse(source)
+    code = compile(tree, name, "exec", dont_inherit=True, optimize=2)  # without documentation
+    used = {used for function in code.co_consts if isinstance(function, CodeType) for used in function.co_names}
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module]
+    names = [(node.module, alias.name) for node in imports for alias in node.names if alias.name in used]
+    return [*_pieces_of(code, None)], [(of, _of_module(module or "", of)) for module, of in names]
+
+
+def _of_module(module: str, name: str) -> Any:
+    """The value of a name in a module; for one of ``APART`` the module's own name."""
+    return module if module in APART else getattr(importlib.import_module(module), name)
 
 
 def _function_of(value: Any) -> FunctionType | None:
@@ -208,13 +250,14 @@ class KernelCache:
         processor = target_context.codegen().magic_tuple()
         path = cache_folder() / self._name(sig, processor)
         content = _checked_content(path) or self._shipped(sig, processor)
-        if content is None:
-            _make_writable(path.parent)
-            _say_compiling()
-            return None
         reading = reading_linked(target_context) if self._linked else nullcontext()
-        with reading:
-            return CompileResult._rebuild(target_context, *pickle.loads(content))
+        # One that names what is no longer there, a type of an older jawenv, is compiled anew.
+        with reading, suppress(AttributeError, ImportError):
+            if content is not None:
+                return CompileResult._rebuild(target_context, *pickle.loads(content))
+        _make_writable(path.parent)
+        _say_compiling()
+        return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled kernel."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 import inspect
 import os
 from collections.abc import Callable
@@ -88,7 +89,7 @@ def njit_inlined(function: Function) -> Function:
 
 
 def where(
-    condition: Callable[..., object], otherwise: Callable[..., Any] | None = None
+    condition: Callable[..., object], otherwise: Callable[..., Any] | str | None = None
 ) -> Callable[[Function], Function]:
     """Decorator of a kernel's part that is there only where the types say so, and becomes part of its caller.
 
@@ -96,30 +97,45 @@ def where(
 
     Args:
         condition: of the types of some of the part's arguments, which it takes by their names.
-        otherwise: the part elsewhere, with the same arguments; by default nothing is done.
+        otherwise: the part elsewhere, with the same arguments; by default nothing is done. As a name
+            (``module.part``, in one of ``cache.APART``) it is loaded only where it is compiled.
     """
     asked = tuple(inspect.signature(condition).parameters)
 
     def decorate(function: Function) -> Function:
         names = tuple(inspect.signature(function).parameters)
-        elsewhere = otherwise or eval(f"lambda {', '.join(names)}: None")
-        elsewhere.__annotations__ = function.__annotations__  # Numba compares the arguments' names and annotations
+
+        @cache
+        def elsewhere() -> Callable[..., Any]:
+            chosen = _named(otherwise) if isinstance(otherwise, str) else otherwise
+            chosen = chosen or eval(f"lambda {', '.join(names)}: None")
+            chosen.__annotations__ = function.__annotations__  # Numba compares the arguments' names and annotations
+            return chosen
 
         def part(*arguments: Any) -> Any:
             raise NotImplementedError("only called by compiled kernels")
 
         def choose(*types: Any) -> Any:
             by_name = dict(zip(names, types, strict=True))
-            return function if condition(*(by_name[name] for name in asked)) else elsewhere
+            return function if condition(*(by_name[name] for name in asked)) else elsewhere()
 
         update_wrapper(part, function)
-        part.__dict__[MADE_OF] = tuple(piece for piece in (function, otherwise, condition) if piece is not None)
+        other = otherwise.rpartition(".")[0] if isinstance(otherwise, str) else otherwise
+        part.__dict__[MADE_OF] = tuple(piece for piece in (function, other, condition) if piece is not None)
         # Else each part, which is inlined, would be compiled to machine code first.
         options: Any = {"jit_options": LINKED} if LINKS else {}
         numba.extending.overload(part, inline="always", **options)(update_wrapper(choose, function))
         return cast(Function, part)
 
     return decorate
+
+
+def _named(name: str) -> Callable[..., Any]:
+    """The Python function of a part that is named with its module."""
+    module, _, part = name.rpartition(".")
+    value: Any = getattr(importlib.import_module(module), part)
+    function: Callable[..., Any] = getattr(value, "py_func", value)
+    return function
 
 
 WORLDS_AT_ONCE = 8  # that a thread takes: few enough to leave some to others where it is held up

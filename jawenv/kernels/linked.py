@@ -29,8 +29,23 @@ class _WithoutEnvironments:
         return getattr(self._codegen, name)
 
 
-class LinkedLibrary(JITCodeLibrary):
-    """The code of one kernel, to be linked into that of others."""
+class _LinkedLibrary(JITCodeLibrary):
+    """The code of one kernel, to be linked into that of others.
+
+    It is kept as LLVM's bytes, and read for each of these: as LLVM's objects it takes fifteen times as much memory.
+    """
+
+    _module: Any = None
+    _code = b""
+
+    @property
+    def _final_module(self) -> Any:
+        """Numba's name of the module: until it is finished, or one read anew."""
+        return self._module or binding.parse_bitcode(self._code)
+
+    @_final_module.setter
+    def _final_module(self, module: Any) -> None:
+        self._module = module
 
     def _optimize_final_module(self) -> None:
         """Left to what it is linked into."""
@@ -38,6 +53,12 @@ class LinkedLibrary(JITCodeLibrary):
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
         self._finalized = True
+        self._code = super()._get_module_for_linking().as_bitcode()
+        self._module = self._shared_module = None
+
+    def _get_module_for_linking(self) -> Any:
+        self._ensure_finalized()
+        return self._final_module
 
     def get_pointer_to_function(self, name: str) -> int:
         """0: there is no machine code."""
@@ -52,10 +73,10 @@ class LinkedLibrary(JITCodeLibrary):
     def serialize_using_object_code(self) -> tuple[str, str, bytes]:
         """The library's name and its LLVM code, which the cache keeps in place of machine code."""
         self._ensure_finalized()
-        return self.name, "linked", self._get_module_for_linking().as_bitcode()
+        return self.name, "linked", self._code
 
     @classmethod
-    def _unserialize(cls, codegen: Any, state: tuple[str, str, bytes]) -> LinkedLibrary:
+    def _unserialize(cls, codegen: Any, state: tuple[str, str, bytes]) -> _LinkedLibrary:
         name, _, code = state
         library = cls(codegen, name)
         library._final_module = binding.parse_bitcode(code)
@@ -67,17 +88,17 @@ class LinkedCompiler(Compiler):
     """Numba's compiler, for a kernel that other kernels call."""
 
     def define_pipelines(self) -> Any:
-        """Numba's own passes, into a ``LinkedLibrary``."""
-        self.state.library = LinkedLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+        """Numba's own passes, into a ``_LinkedLibrary``."""
+        self.state.library = _LinkedLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
         return super().define_pipelines()
 
 
 @contextmanager
 def reading_linked(target: Any) -> Iterator[None]:
-    """Within it the code that is read from the cache is a ``LinkedLibrary``'s; Numba's compiler lock must be held."""
+    """Within it the code that is read from the cache is a ``_LinkedLibrary``'s; Numba's compiler lock must be held."""
     codegen = target.codegen()
     usual = codegen._library_class
-    codegen._library_class = LinkedLibrary
+    codegen._library_class = _LinkedLibrary
     try:
         yield
     finally:

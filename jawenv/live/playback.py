@@ -6,7 +6,7 @@ import numpy as np
 
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.session import Shown
-from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_BODY
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import rotation
 from jawenv.metrics.precision import time_to

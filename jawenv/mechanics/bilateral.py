@@ -36,11 +36,18 @@ from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, 
 from jawenv.mechanics.dynamics import REST_TOLERANCE, inertia_times
 from jawenv.mechanics.forces import capsule_force, carried_forces, smooth_ramp
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
+from jawenv.mechanics.kinematics import (
+    angle_rates,
+    fossa,
+    midline_pose,
+    point_motion,
+    rotation,
+    split_body,
+    turning_axes,
+)
 
 Six: TypeAlias = tuple[float, float, float, float, float, float]
 
-N_BODY = 12
 # Longest step (s) of the true motion: at 1 ms the bounce of the jaw on its discs, about 1000 rad/s, is resolved, and
 # halving the step moves the mouthpiece by less than 0.1 um. Stiffer discs need it shorter, as 1/sqrt(k).
 BODY_STEP = 1e-3
@@ -48,39 +55,6 @@ NUDGE = 1e-7  # m and rad, of the difference quotients at rest
 MAX_STEPS = 2000
 PATIENCE = 1e-3  # product of the step (s) and what still accelerates (m/s2, rad/s2)
 LONGEST_SHIFT, LONGEST_TURN = 1e-4, 2e-3  # m and rad in one step towards rest: the discs' compression is no more
-
-
-@njit
-def split_body(state):
-    """State array (12 or more) as the tuples q and u."""
-    return (
-        (state[0], state[1], state[2], state[3], state[4], state[5]),
-        (state[6], state[7], state[8], state[9], state[10], state[11]),
-    )
-
-
-@njit
-def midline_pose(q):
-    """The five coordinates (x, y, theta, psi, alpha) of the midline model."""
-    return (q[0], q[1], q[3], q[4], q[5])
-
-
-@njit
-def midline_motion(jaw: Jaw, q, u):
-    """The motion in the midline model's coordinates, and the lift, which that model lacks.
-
-    Returns (x, y, theta, psi, alpha), (x', y', omega), the lift of the midpoint above the path of the fossa (m) and its
-    rate (m/s). Pressed discs give a positive lift.
-    """
-    height, slope, _, _ = fossa(jaw, q[0])
-    return midline_pose(q), (u[0], u[1], u[3], u[4], u[5]), q[2] - height, u[2] - slope * u[0]
-
-
-@njit
-def point_motion(q, u, body_to_head, arm):
-    """Place (m) and velocity (m/s), head axes, of the body's point ``arm`` (m, body axes)."""
-    point = add((q[0], q[1], q[2]), apply(body_to_head, arm))
-    return point, add((u[0], u[1], u[2]), apply(body_to_head, cross((u[3], u[4], u[5]), arm)))
 
 
 @njit

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, scale, subtract, vector3
-from jawenv.mechanics.bilateral import midline_pose, point_motion
 from jawenv.mechanics.dynamics import N_WRENCH, Linear, inertia_times, set_column
 from jawenv.mechanics.forces import capsule_force, carried_with_stiffness, smooth_ramp
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import fossa, rotation, turning_axes
+from jawenv.mechanics.kinematics import fossa, midline_pose, point_motion, rotation, turning_axes
 
 UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ZERO = (0.0, 0.0, 0.0)

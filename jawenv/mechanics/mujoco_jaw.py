@@ -41,7 +41,7 @@ DISC_LOAD = 10.0  # N on a condyle
 WRAP_RADIUS, WRAP_BULGE = 12e-3, 1.5e-3  # m, of a sphere on the ramus, beyond the masseter's straight line
 
 
-class Ligament(NamedTuple):
+class _Ligament(NamedTuple):
     """A ligament of the right side, jaw closed; grade G but for its course (R)."""
 
     skull_mm: tuple[float, float, float]  # its end on the skull
@@ -51,9 +51,9 @@ class Ligament(NamedTuple):
 
 
 LIGAMENTS = {
-    "temporomandibular": Ligament((14.0, -60.0, 2.0), (-3.0, -54.0, -12.0), 0.02, 10e3),
-    "sphenomandibular": Ligament((2.0, -32.0, 4.0), (18.0, -40.0, -28.0), 0.05, 2e3),
-    "stylomandibular": Ligament((-14.0, -40.0, -22.0), (0.0, -43.0, -50.0), 0.06, 2e3),
+    "temporomandibular": _Ligament((14.0, -60.0, 2.0), (-3.0, -54.0, -12.0), 0.02, 10e3),
+    "sphenomandibular": _Ligament((2.0, -32.0, 4.0), (18.0, -40.0, -28.0), 0.05, 2e3),
+    "stylomandibular": _Ligament((-14.0, -40.0, -22.0), (0.0, -43.0, -50.0), 0.06, 2e3),
 }
 
 
@@ -158,7 +158,7 @@ def _text(numbers: Any) -> str:
     return " ".join(f"{number:.17g}" for number in np.ravel(numbers))
 
 
-def _mjcf(jaw: Any, wrapping: list[bool], ligaments: dict[str, Ligament]) -> str:
+def _mjcf(jaw: Any, wrapping: list[bool], ligaments: dict[str, _Ligament]) -> str:
     """The patient's jaw in MuJoCo's XML; body 1 is the mandible."""
     radius = float(load_quantities("mandible.toml")["condyle_radius"].si())
     half, I = float(jaw["condyle_half_width"]), jaw["inertia"]
@@ -223,7 +223,7 @@ def _add_line(
     tendons: list[str],
     *,
     wraps: bool = False,
-    ligament: Ligament | None = None,
+    ligament: _Ligament | None = None,
 ) -> None:
     """A tendon from the skull to the mandible, and what it runs through."""
     skull.append(f'<site name="{name}_origin" pos="{_text(origin)}"/>')

@@ -3,8 +3,7 @@
 Every effect is off by default, and one that is off changes no bit of a result.
 """
 
-from jawenv.reality.geometry import perturb_geometry
 from jawenv.reality.options import REALITY, Reality, check_reality
 from jawenv.reality.state import reality_state_dtype
 
-__all__ = ["REALITY", "Reality", "check_reality", "perturb_geometry", "reality_state_dtype"]
+__all__ = ["REALITY", "Reality", "check_reality", "reality_state_dtype"]

@@ -24,7 +24,7 @@ def perturb_geometry(reality: Reality, muscles: MuscleSet, jaw: Any, generator: 
         jaw: The truth's record, dtype ``jaw_dtype(number of lines)``; changed in place.
         generator: Source of the errors; the order of draws is the same whichever error is 0.
     """
-    if reality.attachment_error == 0.0 and reality.fossa_error == 0.0:
+    if not reality.moves_geometry:
         return
     drop, frequency = (float(normal) for normal in generator.standard_normal(2))
     origin_normals, insertion_normals = generator.standard_normal((2, *muscles.origin_m.shape))

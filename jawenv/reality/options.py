@@ -142,6 +142,11 @@ class Reality(NumericFields):
     lost_share: float = number(0.0, 0.49, "1")
     frozen_share: float = number(0.0, 0.49, "1")
 
+    @property
+    def moves_geometry(self) -> bool:
+        """Whether the true geometry differs from the filter's model."""
+        return self.attachment_error > 0.0 or self.fossa_error > 0.0
+
     def untold(self) -> Knowledge:
         """Sds of body and mounting within which the truth is drawn, and of which the filter is not told."""
         sd = self.centre_of_mass_error_mm

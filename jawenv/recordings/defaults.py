@@ -15,9 +15,8 @@ from jawenv.envs.configuration import Configuration
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.readings import least_noise
 from jawenv.ladder import MODELS, Model, model_named
-from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.building import build_jaw, gravity_in_head
-from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.dynamics import N_BODY, N_STATES
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
-class Sheet:
+class _Sheet:
     """The cells of a file."""
 
     comments: list[tuple[int, str]]  # number and text of the lines that begin with ``#``, above the names
@@ -29,7 +29,7 @@ class Sheet:
     lines: list[int]  # number of each row in the file
 
 
-def read_sheet(path: Path, largest: int) -> Sheet:
+def read_sheet(path: Path, largest: int) -> _Sheet:
     """Read a CSV file of at most so many bytes.
 
     Comments and empty lines are passed over. A first column without a name, such as the index of pandas, and empty
@@ -76,7 +76,7 @@ def decoded(path: Path, largest: int) -> str:
     raise InputError(f"{path}: is no text; allowed: CSV in UTF-8, UTF-16 or Latin-1")
 
 
-def _without_unnamed(path: Path, comments: list[tuple[int, str]], cells: list[list[str]], lines: list[int]) -> Sheet:
+def _without_unnamed(path: Path, comments: list[tuple[int, str]], cells: list[list[str]], lines: list[int]) -> _Sheet:
     names = cells[0]
     for row, line in zip(cells, lines, strict=True):
         if len(row) != len(names):
@@ -94,7 +94,7 @@ def _without_unnamed(path: Path, comments: list[tuple[int, str]], cells: list[li
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"{path}: column {shown(name)} stands there twice; allowed: once")
-    return Sheet(comments, names, units, cells[1:], lines[1:])
+    return _Sheet(comments, names, units, cells[1:], lines[1:])
 
 
 def _is_number(cell: str) -> bool:

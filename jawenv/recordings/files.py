@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration
-from jawenv.mechanics.bilateral import N_BODY
-from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.dynamics import N_BODY, N_STATES
 from jawenv.recordings import defaults
 from jawenv.recordings.checks import check_columns, even_time
 from jawenv.recordings.columns import ENCODERS, SAMPLES, TIME, TRUE_WRENCH, true_motion

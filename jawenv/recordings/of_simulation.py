@@ -18,13 +18,14 @@ def record_of(simulation: Simulation, index: int) -> Record:
     device = simulation.configuration.build_device()
     time = device.unmodelled_time_s
     count = int(world["known"]["tick"]) + 1
+    began = world["known"]["belief"]["began"]
     rows, true = simulation.ticks[index, :count], simulation.paths[index, :count]
     return Record(
         time=np.arange(len(rows), dtype=np.float64) * simulation.tick_s,
         measured=rows["measured"].copy(),
         samples=rows["samples"][1:].copy(),
-        start_mean=rows["believed"][0].copy(),
-        start_sd=settings["start_sd"][: len(rows["believed"][0])].copy(),
+        start_mean=began.copy(),
+        start_sd=settings["start_sd"][: len(began)].copy(),
         measurement_sd=np.sqrt(settings["measurement_variance"]),
         # Of a disturbance with memory both are the load cell's noise, and differ by rounding.
         wrench_sd=np.maximum(np.sqrt(noise_variance[:N_WRENCH]), cell_sd),

@@ -18,11 +18,11 @@ from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.filter.tick import (
     LAST_WINDOW,
+    ROW,
     FilterScratch,
     begin_filter,
     filter_scratch_dtype,
     filter_tick,
-    tick_dtype,
 )
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
@@ -149,7 +149,7 @@ class OnlineFilter:
                 self._settings[name] = settings[name]
         self._jaw, self._every, self._states = jaw.copy(), whole, states
         self._belief: Any = record_zeros(1, belief_dtype(muscles, states, lines, *sizes))[0]
-        self._rows: Any = record_zeros(LAST_WINDOW + 1, tick_dtype(states))
+        self._rows: Any = record_zeros(LAST_WINDOW + 1, ROW)
         self._scratch: Any = record_zeros(1, filter_scratch_dtype(muscles, lines, states, *sizes))[0]
         self._known_sd = self._settings["start_sd"][:states].copy()
         self._measured, self._samples = np.empty(N_MEASUREMENTS), np.empty((N_SAMPLES, N_WRENCH))
@@ -239,8 +239,7 @@ class OnlineFilter:
     def _begin(self, mean: Array, sd: Array) -> None:
         """Begin with the prior of the parameters, and mean and sd (n) of the motion."""
         self._settings["start_sd"][: self._states] = sd
-        self._rows["believed"][0] = mean
-        begin_filter(self._jaw, self._belief, self._rows["believed"][0], self._settings)
+        begin_filter(self._jaw, self._belief, mean, self._settings)
 
     def _take(self) -> int:
         """Filter the readings in ``_measured`` and ``_samples``; returns how many were left out."""

@@ -16,8 +16,7 @@ from jawenv.device.device import Device
 from jawenv.device.force_sensor import FORCE_SENSORS, ForceSensor
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
-from jawenv.mechanics.bilateral import N_BODY
-from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.dynamics import N_BODY, N_WRENCH
 
 Array = NDArray[np.float64]
 

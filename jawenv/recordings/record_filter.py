@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from jawenv.base.errors import InputError
 from jawenv.filter.belief.state import belief_dtype
 from jawenv.filter.learn import conclude
-from jawenv.filter.tick import begin_filter, filter_scratch_dtype, filter_tick, tick_dtype
+from jawenv.filter.tick import ROW, begin_filter, filter_scratch_dtype, filter_tick
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
 from jawenv.recordings.estimate import Estimate
@@ -82,9 +82,8 @@ class FilterRun:
         record.require_exact("FilterRun")
         states, muscles = len(record.start_mean), len(record.parameter_names) // 2
         settings = settings_of_record(record)
-        rows: Any = record_zeros(len(record.time), tick_dtype(states))
+        rows: Any = record_zeros(len(record.time), ROW)
         rows["measured"], rows["samples"][1:] = record.measured, record.samples
-        rows["believed"][0] = record.start_mean
         self.settings, self.last = settings, len(rows) - 1
         self.belief = record_zeros(1, belief_dtype(muscles, states))[0]
         scratch = record_zeros(1, filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
@@ -96,7 +95,7 @@ class FilterRun:
 def filter_record(run: Arguments, every, means, covs):
     """Run the filter over all rows of ``Arguments``; after every ``every`` ticks the belief goes to the arrays."""
     belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
-    begin_filter(run.jaw, belief, rows[0].believed, settings)
+    begin_filter(run.jaw, belief, belief.began, settings)
     for tick in range(rows.shape[0]):
         filter_tick(run.jaw, belief, rows, tick, rows[tick].measured, rows[tick].samples, settings, scratch)
         if tick % every == 0:

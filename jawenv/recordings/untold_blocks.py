@@ -22,7 +22,7 @@ from jawenv.filter.belief.state import (
 from jawenv.filter.model.basis import N_NODES
 from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.filter.nuisances.unknowns import WRENCH_UNITS
-from jawenv.filter.tick import FilterScratch, begin_filter, filter_scratch_dtype, take_readings, tick_dtype
+from jawenv.filter.tick import ROW, FilterScratch, begin_filter, filter_scratch_dtype, take_readings
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.jaw import Jaw
@@ -111,8 +111,8 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     sizes = len(nuisances["mass"]), len(settings["disturbance_variance"])
     belief: Any = record_zeros(1, belief_dtype(muscles, states, lines, *sizes))[0]
     scratch: Any = record_zeros(1, filter_scratch_dtype(muscles, lines, states, *sizes))[0]
-    rows: Any = record_zeros(len(record.time), tick_dtype(states))
-    rows["measured"], rows["samples"][1:], rows["believed"][0] = record.measured, record.samples, record.start_mean
+    rows: Any = record_zeros(len(record.time), ROW)
+    rows["measured"], rows["samples"][1:], belief["began"] = record.measured, record.samples, record.start_mean
     order, steps = _order(muscles * N_NODES, nuisances), np.zeros(len(belief["score"]))
     steps[order[-sizes[0] :]] = np.clip(unknowns[1:], -FARTHEST, FARTHEST)
     if sizes[1]:  # beside a disturbance with memory these stay where they are (``learn.recentre``)
@@ -170,7 +170,7 @@ def _pass_through(
     mean, steps = point
     information, score, poses = kept
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
-    begin_filter(jaw, belief, rows[0].believed, settings)
+    begin_filter(jaw, belief, belief.began, settings)
     belief.mean[:] = mean
     belief.point[:] = mean
     belief.cov[:, :] = 0.0
@@ -180,7 +180,7 @@ def _pass_through(
     for j in range(belief.nuisances.shape[0]):
         belief.nuisances[j] = steps[first + j]
     move_jaw(belief.jaw, settings.nuisances, steps, first)
-    begin_motion(belief, rows[0].believed, settings.start_sd)
+    begin_motion(belief, belief.began, settings.start_sd)
     forget_readings(belief)
     for k in range(rows.shape[0]):
         take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
-from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_BODY
 from jawenv.recordings.record import Record
 from jawenv.recordings.untold_bank import Mixture, mixture
 from jawenv.recordings.untold_blocks import Blocks, blocks_of

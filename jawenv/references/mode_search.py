@@ -191,7 +191,7 @@ def filter_at(run: Arguments, tick, parameters):
     """
     belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
     begin_belief(settings.basis, belief, parameters, settings.prior_sd)
-    begin_motion(belief, rows[0].believed, settings.start_sd)
+    begin_motion(belief, belief.began, settings.start_sd)
     forget_readings(belief)
     density = 0.0
     for k in range(tick + 1):

@@ -38,7 +38,7 @@ from jawenv.mechanics.jaw import Jaw
 Array = NDArray[np.float64]
 
 
-class Sweep:
+class _Sweep:
     """The forward sweep's results at one time, for the backward sweep."""
 
     total: Annotated[Array, "states", "columns"]  # derivative of the tick that ends at this time
@@ -52,12 +52,12 @@ class Sweep:
 
 @cache
 def sweep_dtype(n_states: int, n_parameters: int) -> np.dtype[np.void]:
-    """Dtype of ``Sweep``."""
+    """Dtype of ``_Sweep``."""
     size = n_states + n_parameters + 1
-    return record_dtype(Sweep, states=n_states, columns=size + N_NOISE, size=size)
+    return record_dtype(_Sweep, states=n_states, columns=size + N_NOISE, size=size)
 
 
-class PathScratch:
+class _PathScratch:
     """The working memory of this file's kernels."""
 
     filter: JointScratch
@@ -70,10 +70,10 @@ class PathScratch:
 
 @cache
 def path_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
-    """Dtype of ``PathScratch``."""
+    """Dtype of ``_PathScratch``."""
     size = n_states + 2 * n_muscles + 1
     return record_dtype(
-        PathScratch, filter=joint_scratch_dtype(n_muscles, n_lines, n_states), size=size, states=n_states
+        _PathScratch, filter=joint_scratch_dtype(n_muscles, n_lines, n_states), size=size, states=n_states
     )
 
 
@@ -92,7 +92,7 @@ class PathProblem(NamedTuple):
 
 
 @njit
-def divide(jaw: Jaw, states, parameters, dt, parts, scratch: PathScratch):
+def divide(jaw: Jaw, states, parameters, dt, parts, scratch: _PathScratch):
     """Raise ``parts`` (T,) to what the motion ``states`` (T + 1, n) asks for; whether any was raised."""
     inner, raised = scratch.filter, False
     set_muscles(jaw, parameters, 0, inner.muscles)
@@ -104,7 +104,7 @@ def divide(jaw: Jaw, states, parameters, dt, parts, scratch: PathScratch):
 
 
 @njit
-def push(problem: PathProblem, k, state, wrench, scratch: PathScratch):
+def push(problem: PathProblem, k, state, wrench, scratch: _PathScratch):
     """Move ``state`` (n) over tick k under its readings and ``wrench`` (12); leaves the derivative in the scratch."""
     jaw, samples = problem.jaw, problem.samples[k]
     for i in range(samples.shape[0]):
@@ -126,7 +126,7 @@ def carry(total, vector, before):
 
 
 @njit
-def take_readings(problem: PathProblem, k, state, mean, covariance, considered, sweep: Sweep, scratch: JointScratch):
+def take_readings(problem: PathProblem, k, state, mean, covariance, considered, sweep: _Sweep, scratch: JointScratch):
     """Update of the deviation's belief with the readings at time k, linearised at ``state``."""
     measured, variances = problem.measured[k], problem.variances
     expect(problem.jaw, state, sweep.rows, scratch.expected)
@@ -148,7 +148,7 @@ def take_readings(problem: PathProblem, k, state, mean, covariance, considered, 
 
 
 @njit
-def sweep_forward(problem: PathProblem, states, wrenches, mean, covariance, considered, sweeps, scratch: PathScratch):
+def sweep_forward(problem: PathProblem, states, wrenches, mean, covariance, considered, sweeps, scratch: _PathScratch):
     """Filter the deviations from a path forward in time.
 
     Args:
@@ -184,7 +184,7 @@ def sweep_forward(problem: PathProblem, states, wrenches, mean, covariance, cons
 
 
 @njit
-def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch: PathScratch):
+def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch: _PathScratch):
     """The least-squares motion (T + 1, n), as deviation from the path, and the wrenches (T, 12) that go with it."""
     n_states, size = to_states.shape[1], scratch.adjoint.shape[0]
     adjoint = scratch.adjoint
@@ -218,7 +218,7 @@ def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch: Pa
 
 
 @njit
-def steer(total, missed, wrench_variance, tolerance, wrench, scratch: PathScratch):
+def steer(total, missed, wrench_variance, tolerance, wrench, scratch: _PathScratch):
     """Add to ``wrench`` (12) what brings a state that ``missed`` its target by so much (n) back, as far as it pays.
 
     The most probable wrench for a miss that is observed with variances ``tolerance`` (n).
@@ -252,7 +252,7 @@ def _cost_of_readings(problem: PathProblem, k, state, scratch: JointScratch):
 
 
 @njit
-def roll_out(problem: PathProblem, states, wrenches, parameters, sweeps, scratch: PathScratch):
+def roll_out(problem: PathProblem, states, wrenches, parameters, sweeps, scratch: _PathScratch):
     """Turn a motion that the model would not make into a path close to it; the cost of its readings and wrenches.
 
     Without steering, a change of the parameters by a few per cent moves the end of a long path far away, however well

@@ -56,7 +56,7 @@ class Columns:
 
 
 @dataclass(frozen=True)
-class MuscleRow:
+class _MuscleRow:
     """One muscle: its name, the letter of its side, the middle and the height of its row."""
 
     muscle: str
@@ -83,11 +83,11 @@ class Block:
     kind: str
     top: float
     height: float
-    rows: tuple[MuscleRow, ...]
+    rows: tuple[_MuscleRow, ...]
 
 
 @dataclass(frozen=True)
-class Layout:
+class _Layout:
     """The whole panel; `joint` is the room below the rows, if there is enough for pictures of pairs."""
 
     columns: Columns
@@ -96,7 +96,7 @@ class Layout:
     joint: Box | None
 
 
-def lay_out(box: Box, scene: Scene) -> Layout:
+def lay_out(box: Box, scene: Scene) -> _Layout:
     """Give every muscle its row."""
     kinds: dict[str, list[str]] = {}
     for muscle in scene.muscles:
@@ -111,14 +111,14 @@ def lay_out(box: Box, scene: Scene) -> Layout:
     for number, (kind, muscles) in enumerate(kinds.items()):
         top = columns.top + number * height
         rows = [
-            MuscleRow(muscle, split_name(muscle)[1][:1].upper(), top + header + (line + 0.5) * row, row, headed)
+            _MuscleRow(muscle, split_name(muscle)[1][:1].upper(), top + header + (line + 0.5) * row, row, headed)
             for line, muscle in enumerate(muscles)
         ]
         blocks.append(Block(kind, top, height, tuple(rows)))
     end = columns.top + len(kinds) * height
     x, _, width, _ = box
     joint = (x + 16, end + 6, width - 32, columns.bottom - end - 2) if columns.bottom - end > 110 else None
-    return Layout(columns, tuple(blocks), headed, joint)
+    return _Layout(columns, tuple(blocks), headed, joint)
 
 
 def _columns(box: Box, headed: bool) -> Columns:
@@ -157,7 +157,7 @@ def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
     _draw_legend(canvas, box, scene, with_ring=layout.joint is not None)
 
 
-def _draw_block_names(canvas: Canvas, box: Box, layout: Layout, block: Block) -> None:
+def _draw_block_names(canvas: Canvas, box: Box, layout: _Layout, block: Block) -> None:
     """Name a kind of muscle above its rows, or beside them where there are many."""
     words = block.kind.replace("_", " ").capitalize() or "All closing muscles of a side"
     if layout.headed:
@@ -197,7 +197,7 @@ def draw_posterior(canvas: Canvas, box: Box, scene: Scene) -> None:
         draw_joint(canvas, layout.joint, scene)
 
 
-def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, int], row: MuscleRow) -> None:
+def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, int], row: _MuscleRow) -> None:
     for column, parameter in enumerate(_PARAMETERS):
         i = index[f"{parameter}/{row.muscle}"]
         _draw_value(canvas, columns, scene, i, column, row)
@@ -205,7 +205,7 @@ def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, i
         draw_sd(canvas, columns.sd, float(scene.belief_sd[i]), float(scene.prior_sd.max()), row.sd[column])
 
 
-def _draw_value(canvas: Canvas, columns: Columns, scene: Scene, i: int, column: int, row: MuscleRow) -> None:
+def _draw_value(canvas: Canvas, columns: Columns, scene: Scene, i: int, column: int, row: _MuscleRow) -> None:
     """Interval of the posterior over the prior's, and the median with its unit."""
     y = row.bar
     half = min(4.5, 0.125 * row.height)

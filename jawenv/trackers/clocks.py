@@ -28,7 +28,7 @@ LARGEST_SD_S = 0.002
 
 
 @dataclass(frozen=True)
-class Offset:
+class _Offset:
     """Reading of the other clock when the first shows 0."""
 
     seconds: float  # of the other clock
@@ -36,7 +36,7 @@ class Offset:
     correlation: float  # of the two signals at this offset
 
 
-def clock_offset(time: Array, signal: Array, other_time: Array, other: Array) -> Offset:
+def clock_offset(time: Array, signal: Array, other_time: Array, other: Array) -> _Offset:
     """The offset at which two signals correlate best.
 
     Args:
@@ -60,7 +60,7 @@ def clock_offset(time: Array, signal: Array, other_time: Array, other: Array) ->
         if 1.0 - found[peak] ** 2 < ALIKE * (1.0 - found[best] ** 2):
             seconds = [f"{_seconds(lags[i], time, other_time):.3g}" for i in (best, peak)]
             raise InputError(f"offsets of {seconds[0]} and {seconds[1]} s fit alike; allowed: --offset SECONDS")
-    offset = Offset(_seconds(lags[best] + _peak(found, best), time, other_time), *_error(first, second, lags[best]))
+    offset = _Offset(_seconds(lags[best] + _peak(found, best), time, other_time), *_error(first, second, lags[best]))
     if offset.sd_s > LARGEST_SD_S:
         allowed = f"{1e3 * LARGEST_SD_S:g} ms, or --offset SECONDS"
         raise InputError(f"the offset of the clocks is known within {1e3 * offset.sd_s:.2g} ms; allowed: {allowed}")

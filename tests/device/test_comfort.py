@@ -26,7 +26,7 @@ def limits():
 def fractions_of(jaw, log_parameters, limits, q, u, force):
     fractions = np.empty(8)
     muscles = np.exp(log_parameters).reshape(6, 2)
-    used_fractions(jaw, muscles, limits, limits["tension"], tuple(q), tuple(u), (0.0, 0.0), force, fractions)
+    used_fractions(jaw, muscles, limits, limits["tension"], (tuple(q), tuple(u), (0.0, 0.0)), force, fractions)
     return dict(zip(COMFORT_LIMITS, fractions, strict=True))
 
 

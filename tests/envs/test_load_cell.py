@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jawenv.envs.world.load_cell import add_moments, clear_moments, take_samples
+from jawenv.envs.world.plants import add_moments, clear_moments, take_samples
 
 MOMENTS = np.array([0.0, 0.5, 1.0])
 

@@ -10,9 +10,9 @@ from test_copies import actions, assert_same
 
 import jawenv
 from jawenv.mechanics import build_jaw
-from jawenv.mechanics.bilateral import bilateral_rate, put_on_fossa, settle_bilateral, split_body
+from jawenv.mechanics.bilateral import bilateral_rate, put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import state_rate
-from jawenv.mechanics.kinematics import fossa
+from jawenv.mechanics.kinematics import fossa, split_body
 from jawenv.mechanics.plant import body_motion, checked_motion, motion_at_mouthpiece, plant_of
 
 ID = "jawenv/Jaw-v3"

@@ -144,7 +144,7 @@ def test_a_world_is_what_is_true_and_what_is_known():
         "log_det_prior",
         "log_det",
     }
-    assert set(simulation.ticks.dtype.names) == {"measured", "samples", "believed"}
+    assert set(simulation.ticks.dtype.names) == {"measured", "samples"}
     assert set(simulation.paths.dtype.names) == {"wrench", "trend", "state", "friction_share"}
 
 

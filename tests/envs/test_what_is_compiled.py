@@ -10,7 +10,7 @@ from jawenv.envs.world.step_kernel import advance
 from jawenv.filter.bound.joint_recursion import predict_covariance
 from jawenv.filter.tick import filter_tick
 from jawenv.kernels.cache import _function_of, _references
-from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_BODY
 
 
 def reached(kernel):

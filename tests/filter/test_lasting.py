@@ -30,7 +30,8 @@ def parts(knowledge, force_sensor="cell", **device):
     made = Simulation(1, Configuration(knowledge=knowledge, device=Device(**device), force_sensor=force_sensor))
     belief = made.worlds["known"]["belief"][0].copy()
     belief["motion"] = 0.0
-    belief["trend"], belief["visits"], belief["drift_rates"] = [10.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0, 0.0
+    belief["trend"] = [10.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    belief["stay"]["visits"] = belief["stay"]["drift_rates"] = 0.0
     return made._jaw, belief, made.settings[0]["filter"]
 
 

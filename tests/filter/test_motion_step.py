@@ -8,6 +8,7 @@ from scipy.linalg import expm
 
 import jawenv
 from jawenv.filter.model import motion_step as step
+from jawenv.filter.model.body_step import body_step
 from jawenv.mechanics import build_jaw
 from jawenv.references.numpy_model import fastest_rate, parts_needed, reading_at
 
@@ -46,7 +47,7 @@ class Model:
         self.n, self.fewest = (12, 5) if condyles == 2 else (10, 1)
         self.short = 0.1 * DT  # in which neither model takes more parts than it must, nor does half of it
         self.rate, self.start = (six_of, body_start) if condyles == 2 else (five_of, midline_start)
-        self.kernel = step.body_step if condyles == 2 else step.midline_step
+        self.kernel = body_step if condyles == 2 else step.midline_step
         self.pose = two_condyles.five if condyles == 2 else (lambda q: q)
         self.scratch = np.zeros(1, dtype=step.step_dtype(6, self.n))[0]
 

@@ -41,7 +41,7 @@ class Encoders:
     def mark(self, measured):
         self.scratch["measured"] = measured
         left_out = mark_usable(JAW, self.belief, measured, self.settings, self.scratch)
-        np.testing.assert_array_equal(self.belief["last_measured"], measured)
+        np.testing.assert_array_equal(self.belief["sensors"]["last_measured"], measured)
         return left_out, self.scratch["used"].copy()
 
 
@@ -134,8 +134,8 @@ class Cell:
         self.samples, self.before = rng.normal(size=(3, 6)), rng.uniform(0.01, 0.02, 6)
         self.belief = record_zeros(1, belief_dtype(6, 10))[0]
         forget_readings(self.belief)
-        self.held, self.lost_for = self.belief["held_sample"], self.belief["lost_for"]
-        self.held[:], self.belief["cell_step"] = rng.normal(size=6), 0.0
+        self.held, self.lost_for = self.belief["sensors"]["held_sample"], self.belief["sensors"]["lost_for"]
+        self.held[:], self.belief["sensors"]["cell_step"] = rng.normal(size=6), 0.0
         self.usable = np.full((3, 6), np.nan)
 
     def repair(self, dt=0.01, without_noise=()):
@@ -188,13 +188,13 @@ def single(before, now):
 
 def test_a_tick_that_begins_with_the_last_reading_of_the_one_before_is_no_frozen_one(rng):
     cell, before = Cell(rng), rng.normal(size=6)
-    cell.belief["cell_step"] = np.inf
+    cell.belief["sensors"]["cell_step"] = np.inf
     for _ in range(50):
         now = rng.normal(size=6)
         cell.samples[:] = single(before, now)
         assert cell.repair() == 0
         before = now
-    assert (cell.belief["cell_step"] == 0.0).all()
+    assert (cell.belief["sensors"]["cell_step"] == 0.0).all()
     cell.samples[:] = single(now, now)
     assert cell.repair() == 6, "a reading that is repeated to the bit has none of the noise"
 
@@ -203,7 +203,7 @@ def test_a_tick_that_begins_with_the_last_reading_of_the_one_before_is_no_frozen
 def test_a_load_cell_with_steps_freezes_as_a_whole_while_the_jaw_moves(rng, step):
     """Moments that no sensor reads stay 0; the forces repeat themselves by chance, and all of them when they freeze."""
     cell, steps = Cell(rng), np.repeat([step, 0.0], 3)
-    cell.belief["cell_step"] = np.inf
+    cell.belief["sensors"]["cell_step"] = np.inf
     before, number = np.zeros(6), 0
     for _ in range(200):
         now = np.round(rng.normal(size=6) * 0.04 / step) * steps
@@ -213,7 +213,7 @@ def test_a_load_cell_with_steps_freezes_as_a_whole_while_the_jaw_moves(rng, step
         assert cell.repair() == 0
         before = now
     assert number > 40
-    np.testing.assert_allclose(cell.belief["cell_step"][:3], step / 2, rtol=1e-6)
+    np.testing.assert_allclose(cell.belief["sensors"]["cell_step"][:3], step / 2, rtol=1e-6)
     cell.samples[:] = single(now, now)
     assert cell.repair() == 0, "nothing has moved since"
     cell.belief["motion"][2] += 1.1 * STILL / np.hypot(JAW["mouthpiece"][0], JAW["mouthpiece"][2])

@@ -69,7 +69,7 @@ def filtered_until(record, guess, ticks):
     """A run whose readings were filtered as if the muscles were a ``guess`` of so many prior sds."""
     run = FilterRun(record)
     jaw, belief, rows, settings, scratch = run.arguments
-    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    begin_motion(belief, belief["began"], settings["start_sd"])
     begin_belief(settings["basis"], belief, record.prior.mean + guess * record.prior.sd, settings["prior_sd"])
     for tick in range(ticks):
         take_readings(jaw, belief, rows[tick]["measured"], rows[tick]["samples"], tick, settings, scratch)
@@ -121,7 +121,7 @@ def test_ends_of_windows_and_surprises_renew_the_belief(record):
     _, belief, rows, settings, scratch = run.arguments
     far = settings["prior_mean"] + 3.0 * settings["prior_sd"]
     begin_belief(settings["basis"], belief, far, settings["prior_sd"])
-    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    begin_motion(belief, belief["began"], settings["start_sd"])
     changed, surprising = {"mean": [], "point": []}, []
     for tick in range(100):
         before = {name: belief[name].copy() for name in changed}
@@ -186,7 +186,7 @@ def test_refused_ticks_are_counted_once_whatever_is_filtered_again(record):
     run = FilterRun(replace(record, measured=measured))
     _, belief, rows, settings, _ = run.arguments
     begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
-    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    begin_motion(belief, belief["began"], settings["start_sd"])
     counted, replayed = [], []
     for tick in range(100):
         before, place = int(belief["gated"]), belief["replayed_at"].copy()

@@ -120,6 +120,14 @@ def test_a_kernel_is_compiled_again_only_where_its_numbers_could_change(
     assert run_constant(tmp_path / "clone", tmp_path / "cache", text) == (value, compiles)
 
 
+def test_a_kernel_that_names_a_type_of_an_older_version_is_compiled_again(constant_cache: Path, tmp_path: Path) -> None:
+    older = shutil.copytree(constant_cache, tmp_path / "cache")
+    for file in older.rglob("*.kernel"):
+        file.write_bytes(cache.with_checksum(b"cjawenv.kernels.lanes\nGone\n."))
+    assert run_constant(tmp_path / "first", older, CONSTANT) == (3.0, True)
+    assert run_constant(tmp_path / "again", older, CONSTANT) == (3.0, False)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="modes of POSIX")
 @pytest.mark.parametrize("mode", [0o777, 0o775, 0o1777], ids=oct)
 def test_a_cache_that_others_may_write_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: int) -> None:
@@ -250,6 +258,23 @@ def test_a_kernel_has_machine_code_only_where_python_calls_it(tmp_path: Path) ->
     assert run("outer") == (3.0, {"outer", "inner+"})
     assert run("other") == (1.0, {"outer", "other", "inner+"})
     assert run("inner") == (2.0, {"outer", "other", "inner+", "inner"})
+
+
+def test_a_kernel_for_other_kernels_is_kept_as_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """LLVM's objects of all kernels of one model take 150 MB."""
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+
+    @njit
+    def inner(x):
+        return 2.0 * x
+
+    @njit
+    def outer(x):
+        return inner(x) + 1.0
+
+    assert outer(1.0) == 3.0
+    (inner_code,) = [found.library for found in inner._inner.overloads.values()]
+    assert inner_code._module is None and inner_code._final_module is not inner_code._final_module
 
 
 @pytest.mark.parametrize("collects", [True, False])

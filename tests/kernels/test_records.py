@@ -93,7 +93,6 @@ UNNAMED = {
     "changes.py": "scratch",
     "without_cell.py": "scratch",
     "screening.py": "scratch",
-    "reset_kernel.py": "first_row",  # mypy takes a number beside it for an array
 }
 ON_ARRAYS = {"any", "all", "copy", "shape", "size"}
 

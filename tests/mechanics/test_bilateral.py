@@ -14,13 +14,12 @@ from jawenv.mechanics.bilateral import (
     bilateral_rate,
     body_acceleration,
     condyle_pressures,
-    midline_motion,
     put_on_fossa,
     settle_bilateral,
-    split_body,
 )
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.kinematics import midline_motion, split_body
 
 NOTHING = (0.0,) * 6
 FLIP_Q, FLIP_U, FLIP_WRENCH = [1, 4, 5], [1, 3, 5], [1, 3, 5]

@@ -32,7 +32,7 @@ from jawenv.recordings.files import load_record
 
 EPISODE_S = 2.0
 NOT_OF_THE_WHEEL = {*BLOCKED, "rich", "agents", "training", "eval"} - {"yaml"}  # PyYAML is required by the wheel
-COMMANDS = {"eval": eval.commands.app.app, "training": training.cli.app}
+COMMANDS = {"eval": eval.commands.app.commands(), "training": training.cli.app}
 
 ALONE = """
 import json, sys

@@ -5,7 +5,8 @@ import pytest
 
 from jawenv.anatomy import attachment_rows, known_muscle_sets, load_quantities
 from jawenv.mechanics import build_jaw
-from jawenv.reality import Reality, perturb_geometry
+from jawenv.reality import Reality
+from jawenv.reality.geometry import perturb_geometry
 
 DRAWS = 4000
 ROWS = {row.portion: row for row in attachment_rows() if row.status == "accepted"}

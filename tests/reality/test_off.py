@@ -7,7 +7,8 @@ from reality_states import Tissue, drawn_muscles
 from jawenv.anatomy import known_muscle_sets
 from jawenv.device.comfort import limits_dtype
 from jawenv.mechanics import build_jaw
-from jawenv.reality import Reality, perturb_geometry
+from jawenv.reality import Reality
+from jawenv.reality.geometry import perturb_geometry
 from jawenv.reality.joint import articular_push
 from jawenv.reality.sensors import biased, fail, play
 

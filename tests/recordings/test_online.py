@@ -84,7 +84,7 @@ def test_what_is_unknown_beside_the_muscles_gives_the_environments_belief_to_the
     infos = [info] + [env.step(0.5 * np.sin(np.arange(4.0) + k))[4] for k in range(20)]
     rows = env.simulation.ticks[0]
     online = OnlineFilter(**told, cohort="trismus", every=20)
-    online.reset(rows["believed"][0])
+    online.reset(env.simulation.worlds["known"]["belief"]["began"][0])
     beliefs = fed(online, rows["measured"][:401], rows["samples"][1:401])
     same(beliefs, [info["belief_mean"] for info in infos], [info["belief_cov"] for info in infos], 20)
     assert beliefs[-1].misfit == infos[-1]["misfit"] > 0.0

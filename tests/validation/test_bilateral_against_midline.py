@@ -9,15 +9,10 @@ import two_condyles
 from bilateral_step import bilateral_step
 
 from jawenv.mechanics import build_jaw
-from jawenv.mechanics.bilateral import (
-    BODY_STEP,
-    condyle_pressures,
-    put_on_fossa,
-    settle_bilateral,
-    split_body,
-)
+from jawenv.mechanics.bilateral import BODY_STEP, condyle_pressures, put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import linear_dtype, state_rate
 from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.kinematics import split_body
 
 MUSCLES = np.tile([1.2, 7.0], (6, 1))
 NOTHING = (0.0,) * 6

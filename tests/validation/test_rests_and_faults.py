@@ -12,9 +12,10 @@ from jawenv.anatomy import default_mandible, known_muscle_sets
 from jawenv.filter.model.encoders import measure
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
-from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body
+from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.kinematics import split_body
 
 
 def rest_of(jaw, log_parameters):

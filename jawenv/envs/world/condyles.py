@@ -9,10 +9,9 @@ from __future__ import annotations
 from jawenv.device.comfort import Limits
 from jawenv.device.device import DeviceRecord
 from jawenv.device.motors import mouthpiece_motion
-from jawenv.envs.world.plants import bilateral_tick, end_motion, lift_of, midline_tick, take_body
+from jawenv.envs.world.plants import end_motion, lift_of, midline_tick
 from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.kernels.compiled import njit, where
-from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.kinematics import rotation, split
 
 # A jaw that rests outside this box is not one that the device can treat.
@@ -20,15 +19,13 @@ REST_OPENING_MAX = 0.035
 REST_SIDE_MAX = 0.005
 
 
-def _midline(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
-    return midline_tick(device, world, scratch, settings)
+def _on_one_point(world):
+    return not world.typeof("truth").typeof("body").shape[0]
 
 
-@where(lambda world: world.typeof("truth").typeof("body").shape[0], otherwise=_midline)
+@where(_on_one_point, otherwise="jawenv.envs.world.two_condyles.plant_tick")
 def _plant_tick(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
-    """One tick: of a world that has a body, whose jaw may all the same be believed to have one point (planners)."""
-    if world.truth.jaw.condyles == 2:
-        return bilateral_tick(device, world, scratch, settings)
+    """One tick of the world's plant."""
     return midline_tick(device, world, scratch, settings)
 
 
@@ -39,20 +36,10 @@ def true_motion(device: DeviceRecord, world: World, scratch: Scratch, settings: 
     return max(acted, end_motion(device, world, scratch, settings.control.servo))
 
 
-def _rest_on_one_point(truth: Truth, limits: Limits, scratch):
-    return True  # the midline model's rest is the plant's own
-
-
-@where(lambda truth: truth.typeof("body").shape[0], otherwise=_rest_on_one_point)
+@where(lambda truth: not truth.typeof("body").shape[0], otherwise="jawenv.envs.world.two_condyles.settle_on_condyles")
 def rest_on_condyles(truth: Truth, limits: Limits, scratch):
     """Move the jaw of a world with a body to its rest on two condyles; False when that is out of reach."""
-    jaw = truth.jaw
-    put_on_fossa(jaw, truth.state, truth.body)
-    no_wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    if not settle_bilateral(jaw, truth.muscles, no_wrench, truth.body, scratch.body_matrix, scratch.body_right):
-        return False
-    take_body(truth)
-    return count_from_rest(truth, limits)
+    return True  # the midline model's rest is the plant's own
 
 
 @njit

@@ -18,7 +18,7 @@ from jawenv.mechanics.jaw import Jaw
 
 
 class _TrueTick:
-    """The truth of one tick, beside the filter's ``tick_dtype``."""
+    """The truth of one tick, beside the filter's ``ROW``."""
 
     wrench: Annotated[Array, N_SAMPLES, N_WRENCH]  # during it
     trend: Annotated[Array, N_WRENCH]  # of the load cell, at its start

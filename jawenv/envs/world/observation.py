@@ -26,9 +26,8 @@ from jawenv.envs.world.tracking import size_of
 from jawenv.filter.belief.state import FilterSettings
 from jawenv.filter.model.joint_step import set_muscles
 from jawenv.kernels.compiled import njit
-from jawenv.mechanics.bilateral import midline_motion, split_body
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import rotation, split
+from jawenv.mechanics.kinematics import midline_motion, rotation, split, split_body
 
 _POSE = _REST["pose"].start
 _RATES = _REST["rates"].start
@@ -107,7 +106,7 @@ def observe_world(
     set_muscles(model, known.belief.mean, 0, scratch.muscles)
     force = sqrt(known.reading[0] ** 2 + known.reading[1] ** 2 + known.reading[2] ** 2)
     set_tension_limits(model, scratch.muscles, limits, scratch.tension_limits)
-    used_fractions(model, scratch.muscles, limits, scratch.tension_limits, q, u, lift, force, scratch.fractions)
+    used_fractions(model, scratch.muscles, limits, scratch.tension_limits, (q, u, lift), force, scratch.fractions)
     for i in range(N_LIMITS):
         sensed[_MARGIN + i] = _bounded(1.0 - scratch.fractions[i])
     sensed[_TIME] = 1.0 - known.tick / (control.steps * control.ticks_per_step)

@@ -10,8 +10,7 @@ from __future__ import annotations
 from jawenv.device.device import TICK
 from jawenv.device.motors import device_wrench
 from jawenv.envs.world.condyles import count_from_rest
-from jawenv.envs.world.load_cell import add_moments, clear_moments
-from jawenv.envs.world.plants import end_motion, lift_of, plus_wrench, take_free_body
+from jawenv.envs.world.plants import add_moments, clear_moments, end_motion, lift_of, plus_wrench, take_free_body
 from jawenv.envs.world.record import Truth
 from jawenv.envs.world.reset_kernel import begin_device, begin_reality, reset_belief
 from jawenv.envs.world.step_kernel import (
@@ -48,7 +47,7 @@ def _take_moved(truth: Truth, motion):
 
 
 @njit
-def plant_rest(devices, models, worlds, i, all_settings, scratches, rows: StepRows, motion):
+def plant_rest(devices, models, worlds, i, all_settings, scratches, motion):
     """Let the episode of world i begin where its jaw rests, ``motion``; False if it cannot be treated there.
 
     It has begun at the midline model's rest, whose random numbers are drawn again.
@@ -58,7 +57,7 @@ def plant_rest(devices, models, worlds, i, all_settings, scratches, rows: StepRo
     treatable = count_from_rest(world.truth, world.known.limits)
     begin_device(device, models[i], world, settings)
     begin_reality(world.truth, settings.reality, scratches[i])
-    reset_belief(device, models[i], world, settings, scratches[i], rows.ticks[i, 0])
+    reset_belief(device, models[i], world, settings, scratches[i])
     return treatable
 
 

@@ -3,25 +3,28 @@
 The plants share one description of the motion: the midline model's coordinates (q, u), and the *lift*, how far the
 condyles' midpoint is off the path of the fossa (m) and how fast it leaves it (m/s). In the midline plant the lift is
 zero. Plants that Python moves have ``plant_kernel``.
+
+The load cell's amplifier passes the parabola that fits a tick's force best. A brake or an end stop changes its force
+several times within a tick. Instantaneous samples would be aliased: three of them miss its mean over a tick by up to a
+tenth (Simpson's rule), and the filter would attribute the difference to the muscles. The amplifier therefore averages.
+The three samples, at start, middle and end, are those of the least-squares parabola, which has the force's mean and
+first two moments.
 """
 
 from __future__ import annotations
 
 from jawenv.device.device import N_MOTORS, TICK, DeviceRecord
 from jawenv.device.motors import BRAKED, IDLE, device_wrench, held_rate
-from jawenv.envs.world.load_cell import add_moments, clear_moments, take_samples
 from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state, stage_place, stage_weight
-from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, split_body
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import split
+from jawenv.mechanics.kinematics import midline_motion, split, split_body
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 from jawenv.reality.joint import tissue_push
 
 SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick, more where the jaw is stiff
-BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
 
 
 @njit_inlined
@@ -50,7 +53,7 @@ def plus_wrench(wrench, extra, push):
 
 
 @njit_within
-def _wrench_at_stage(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings, step, stage, h, motion):
+def wrench_at_stage(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings, step, stage, h, motion):
     """The wrench on the jaw at a stage of a Runge-Kutta step, with what the load cell and the governor have of it."""
     since = step * h + stage_place(stage) * h
     wrench, governed = device_wrench(
@@ -66,18 +69,8 @@ def _wrench_at_stage(device: DeviceRecord, world: World, scratch: Scratch, setti
 def midline_rate(q, u, stage, h, arguments):
     """(q', u') of the midline plant under the device; ``arguments`` as in ``midline_steps``."""
     device, world, scratch, settings, step = arguments
-    total = _wrench_at_stage(device, world, scratch, settings, step, stage, h, (q, u, lift_of(world.truth)))
+    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, (q, u, lift_of(world.truth)))
     return state_rate(world.truth.jaw, scratch.effective, q, u, total)
-
-
-@njit_within
-def body_rate(q, u, stage, h, arguments):
-    """(q', u') of the plant with two condyles under the device; ``arguments`` as in ``bilateral_tick``."""
-    device, world, scratch, settings, step = arguments
-    middle_q, middle_u, lift, lift_rate = midline_motion(world.truth.jaw, q, u)
-    motion = middle_q, middle_u, (lift, lift_rate)
-    total = _wrench_at_stage(device, world, scratch, settings, step, stage, h, motion)
-    return bilateral_rate(world.truth.jaw, scratch.effective, q, u, total)
 
 
 @njit
@@ -123,20 +116,6 @@ def midline_steps(device: DeviceRecord, world: World, scratch: Scratch, settings
 
 
 @njit
-def bilateral_tick(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
-    """Move the plant with two condyles through one tick; returns what of the governor acted."""
-    h = TICK / BODY_SUBSTEPS
-    scratch.acted = IDLE
-    clear_moments(scratch.wrench)
-    for step in range(BODY_SUBSTEPS):
-        q, u = split_body(world.truth.body)
-        q, u = runge_kutta_step(body_rate, q, u, h, (device, world, scratch, settings, step))
-        set_state(world.truth.body, q, u)
-    take_body(world.truth)
-    return scratch.acted
-
-
-@njit
 def take_body(truth: Truth):
     """Set the midline coordinates and the lift of ``truth`` from its body with two condyles."""
     body_q, body_u = split_body(truth.body)
@@ -162,3 +141,31 @@ def end_motion(device: DeviceRecord, world: World, scratch: Scratch, trajectory)
         for i in range(N_MOTORS):
             known.motors.target[i] += known.motors.rate[i] * TICK
     return governed
+
+
+@njit
+def clear_moments(samples):
+    """Set the moments of a new tick to zero."""
+    samples[:, :] = 0.0
+
+
+@njit
+def add_moments(samples, wrench, share, time):
+    """Add the wrench of a ``share`` of the tick, which lies at ``time``, from -1 at its start to 1 at its end.
+
+    Until ``take_samples``, the rows of ``samples`` (3, 6) are the force's parts along Legendre's polynomials 1, x and
+    (3 x^2 - 1)/2.
+    """
+    first, second = 3.0 * share * time, 2.5 * share * (3.0 * time * time - 1.0)
+    for k in range(6):
+        samples[0, k] += share * wrench[k]
+        samples[1, k] += first * wrench[k]
+        samples[2, k] += second * wrench[k]
+
+
+@njit
+def take_samples(samples):
+    """Samples of the parabola at start, middle and end of the tick."""
+    for k in range(6):
+        mean, rise, bend = samples[0, k], samples[1, k], samples[2, k]
+        samples[0, k], samples[1, k], samples[2, k] = mean - rise + bend, mean - 0.5 * bend, mean + rise + bend

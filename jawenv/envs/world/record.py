@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.comfort import N_LIMITS, ComfortRecord, Limits, limits_dtype
-from jawenv.device.device import N_MOTORS
-from jawenv.device.force_sensor import N_ERRORS
+from jawenv.device.device import N_ERRORS, N_MOTORS
 from jawenv.device.guard import Tracker
 from jawenv.device.motors import Motors
 from jawenv.filter.belief.state import (

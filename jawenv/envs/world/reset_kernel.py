@@ -35,7 +35,7 @@ RANGE_STEPS = 10
 CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's travel
 
 
-class Beginning:
+class _Beginning:
     """One thread's working memory of ``begin``."""
 
     linear: Linear
@@ -49,8 +49,8 @@ class Beginning:
 
 @cache
 def beginning_dtype(n_lines: int) -> np.dtype[np.void]:
-    """Dtype of ``Beginning``."""
-    return record_dtype(Beginning, linear=linear_dtype(n_lines))
+    """Dtype of ``_Beginning``."""
+    return record_dtype(_Beginning, linear=linear_dtype(n_lines))
 
 
 @njit
@@ -63,7 +63,7 @@ def _write_position(jaw: Jaw, pose, positions, i):
 
 
 @njit
-def _open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Beginning):
+def _open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: _Beginning):
     """Poses from rest to the end of the painless range, in ``scratch``; returns the last one's number, -1 if none.
 
     ``pose`` (5 or more) is near the rest, and becomes it.
@@ -91,7 +91,7 @@ def _open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Begin
 
 
 @njit
-def set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, scratch: Beginning):
+def set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, scratch: _Beginning):
     """Comfort limits from the jaw's path of ``last`` + 1 poses; False when the painless range is too small."""
     poses, positions = scratch.poses, scratch.places
     set_general_limits(comfort, limits)
@@ -133,15 +133,15 @@ def _reset_motors(device: DeviceRecord, truth: Truth, motors: Motors):
 
 
 @njit
-def reset_belief(device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, first_row):
+def reset_belief(device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch):
     """Prior belief over motion, parameters and load-cell gain, before the first reading."""
     truth, known, normals = world.truth, world.known, scratch.normals
     fill_normals((truth.key[0], truth.key[1]), START_TICK, normals)
-    believed, sd = first_row.believed, settings.filter.start_sd
-    size = believed.shape[0]
+    began, sd = known.belief.began, settings.filter.start_sd
+    size = len(began)
     for i in range(size):
-        believed[i] = true_state(model, truth, i) + sd[i] * normals[i]
-    begin_filter(model, known.belief, believed, settings.filter)
+        began[i] = true_state(model, truth, i) + sd[i] * normals[i]
+    begin_filter(model, known.belief, began, settings.filter)
     truth.cell_gain = device.cell_gain * normals[size]
     truth.bound[:, :] = np.nan
     truth.log_det_bound = np.nan
@@ -181,9 +181,7 @@ def begin_device(device: DeviceRecord, model: Jaw, world: World, settings: Setti
 
 
 @njit_within
-def _begin_world(
-    device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, beginning, first_row
-):
+def _begin_world(device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, beginning):
     """Put one world at rest; False when the device cannot treat its patient."""
     truth, limits = world.truth, world.known.limits
     set_muscles(truth.jaw, truth.log_parameters, 0, truth.muscles)
@@ -200,12 +198,12 @@ def _begin_world(
     truth.acted = IDLE
     begin_device(device, model, world, settings)
     begin_reality(truth, settings.reality, scratch)
-    reset_belief(device, model, world, settings, scratch, first_row)
+    reset_belief(device, model, world, settings, scratch)
     return True
 
 
 @world_kernel(position=2)
-def begin(shared: Shared, models, worlds, chosen, beginnings, accepted, all_ticks, part):
+def begin(shared: Shared, models, worlds, chosen, beginnings, accepted, part):
     """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
 
     Its sensors are read for the first time by the next call of ``advance``.
@@ -222,5 +220,4 @@ def begin(shared: Shared, models, worlds, chosen, beginnings, accepted, all_tick
                 shared.settings[0],
                 shared.scratches[thread],
                 beginnings[thread],
-                all_ticks[i, 0],
             )

@@ -61,7 +61,7 @@ class StepRows(NamedTuple):
     """The rows of each of N worlds that a step fills."""
 
     ticks: NDArray[np.void]
-    """(N, any number) records of dtype ``tick_dtype``, of the first ticks."""
+    """(N, any number) records of dtype ``ROW``, of the first ticks."""
     paths: NDArray[np.void]
     """(N, any number) records of dtype ``true_tick_dtype``, of the last ticks."""
     observation: NDArray[np.float32]
@@ -224,7 +224,8 @@ def _take_comfort(world: World, scratch: Scratch, share):
     truth, limits = world.truth, world.known.limits
     q, u = split(truth.state)
     force = norm(mean_force(scratch.wrench))
-    used_fractions(truth.jaw, scratch.effective, limits, limits.tension, q, u, lift_of(truth), force, scratch.fractions)
+    motion = q, u, lift_of(truth)
+    used_fractions(truth.jaw, scratch.effective, limits, limits.tension, motion, force, scratch.fractions)
     for i in range(N_LIMITS):
         fraction = scratch.fractions[i]
         truth.fractions[i] = max(truth.fractions[i], fraction)

@@ -20,7 +20,8 @@ from jawenv.filter.nuisances.unknowns import (
     with_motors,
 )
 from jawenv.kernels.noise import Streams
-from jawenv.reality import Reality, perturb_geometry
+from jawenv.reality import Reality
+from jawenv.reality.geometry import perturb_geometry
 
 
 def draw_truth(

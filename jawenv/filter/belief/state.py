@@ -20,8 +20,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.device.device import N_MOTORS, Linkage
-from jawenv.device.force_sensor import N_ERRORS
+from jawenv.device.device import N_ERRORS, N_MOTORS, Linkage
 from jawenv.filter.model.basis import N_NODES, Basis, basis_dtype, set_coefficients
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.motion_step import padded
@@ -77,11 +76,32 @@ class Drift:
     largest: float
 
 
+class Stay:
+    """The poses at which the jaw has been, see ``readings.lasting``."""
+
+    visits: Annotated[Array, N_CELLS]  # ticks spent at poses alike
+    visited: float  # of the pose, smoothed as drift rates are
+    drift_rates: Annotated[Array, 6]  # velocities (u), smoothed
+
+
+class Sensors:
+    """The sensors' last readings, see ``readings.screening``."""
+
+    last_measured: Annotated[Array, N_MEASUREMENTS]
+    encoder_step: Annotated[Array, N_MEASUREMENTS]  # infinite before a change
+    repeats: Annotated[Array, N_MEASUREMENTS]  # how often in a row each encoder has shown the same; infinite if frozen
+    cell_step: Annotated[Array, N_WRENCH]
+    unchanged_at: Annotated[Array, 6]  # pose (q) when the load cell last changed
+    held_sample: Annotated[Array, N_WRENCH]
+    lost_for: Annotated[Array, N_WRENCH]  # s since the load cell's component was used
+
+
 class Belief:
     """The filter's state."""
 
     motion: Annotated[Array, "motion"]  # and after it the disturbance, where it has memory
     motion_cov: Annotated[Array, "motion", "motion"]
+    began: Annotated[Array, "states"]  # motion before the first reading
     by_tension: Annotated[Array, "motion", "columns"]
     information: Annotated[Array, "columns", "columns"]
     score: Annotated[Array, "columns"]
@@ -96,7 +116,7 @@ class Belief:
     nuisances_replayed_at: Annotated[Array, "nuisances"]
     friction_share: Annotated[Array, "motors"]  # see ``device.force_sensor``
     jaw: Jaw  # the filter's model at the point, where there are nuisances
-    predicted: Annotated[Array, "predicted"]  # motion at the tick's end as the past alone has it
+    predicted: Annotated[Array, "states"]  # motion at the tick's end as the past alone has it
     smoothed: Annotated[Array, N_WRENCH]  # the load cell's trend over a shorter time, corrected
     # L^-1 of ``decompose``, of the information about gain error and nuisances at given tensions
     nuisance_factor: Annotated[Array, "shared", "shared"]
@@ -108,17 +128,9 @@ class Belief:
     refused: int  # ticks on end, up to the last one, whose readings were refused
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     near: int  # the same, after teeth
-    visits: Annotated[Array, N_CELLS]  # ticks spent at poses alike, see ``readings.lasting``
-    visited: float  # of the pose, smoothed as drift rates are
-    drift_rates: Annotated[Array, 6]  # velocities (u), smoothed, see ``readings.lasting``
+    stay: Stay
     gated: int  # ticks whose innovation the gate rejected when they were read
-    last_measured: Annotated[Array, N_MEASUREMENTS]
-    encoder_step: Annotated[Array, N_MEASUREMENTS]  # see ``readings.screening``; infinite before a change
-    repeats: Annotated[Array, N_MEASUREMENTS]  # how often in a row each encoder has shown the same; infinite if frozen
-    cell_step: Annotated[Array, N_WRENCH]
-    unchanged_at: Annotated[Array, 6]  # pose (q) when the load cell last changed
-    held_sample: Annotated[Array, N_WRENCH]
-    lost_for: Annotated[Array, N_WRENCH]  # s since the load cell's component was used
+    sensors: Sensors
 
 
 @cache
@@ -135,7 +147,7 @@ def belief_dtype(
         nuisances=n_nuisances,
         shared=shared_columns(n_nuisances),
         motors=N_MOTORS if n_nuisances else 0,
-        predicted=n_states,
+        states=n_states,
         lines=n_lines if n_nuisances else 1,
     )
 
@@ -223,9 +235,9 @@ def filter_settings_dtype(
 def begin_motion(belief: Belief, motion, sd):
     """Set the mean of the motion (n) before the first reading, no disturbance, and the sds of both."""
     belief.motion[:] = 0.0
-    for i in range(motion.shape[0]):
+    for i in range(belief.began.shape[0]):
+        belief.began[i] = motion[i]
         belief.motion[i] = motion[i]
-    for i in range(belief.predicted.shape[0]):
         belief.predicted[i] = motion[i]
     lose_motion(belief, sd)
 
@@ -288,6 +300,25 @@ def begin_drift(drift: Drift):
 
 
 @njit
+def _begin_stay(stay: Stay):
+    """The jaw has been nowhere."""
+    stay.drift_rates[:] = 0.0
+    stay.visits[:], stay.visited = 0.0, 0.0
+
+
+@njit
+def _begin_sensors(sensors: Sensors):
+    """Nothing is read."""
+    sensors.last_measured[:] = np.nan
+    sensors.encoder_step[:] = np.inf
+    sensors.repeats[:] = 0.0
+    sensors.cell_step[:] = np.inf
+    sensors.unchanged_at[:] = 0.0
+    sensors.held_sample[:] = 0.0
+    sensors.lost_for[:] = 0.0
+
+
+@njit
 def forget_readings(belief: Belief):
     """Discard all information and sensor history; motion and belief stay."""
     belief.by_tension[:, :] = 0.0
@@ -301,13 +332,6 @@ def forget_readings(belief: Belief):
     belief.block.largest, belief.block.second = 0.0, 0.0
     belief.block.slow, belief.block.total, belief.block.level = 0, 0.0, 0.0
     belief.waits, belief.near, belief.readings, belief.refused = 0, 0, 0, 0
-    belief.drift_rates[:] = 0.0
-    belief.visits[:], belief.visited = 0.0, 0.0
-    belief.last_measured[:] = np.nan
-    belief.encoder_step[:] = np.inf
-    belief.repeats[:] = 0.0
-    belief.cell_step[:] = np.inf
-    belief.unchanged_at[:] = 0.0
-    belief.held_sample[:] = 0.0
-    belief.lost_for[:] = 0.0
+    _begin_stay(belief.stay)
+    _begin_sensors(belief.sensors)
     set_coefficients(belief.basis, belief.point, belief.nominal)

@@ -27,13 +27,8 @@ from jawenv.filter.bound.joint_recursion import (
 from jawenv.filter.model.encoders import expect
 from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.model.regressors import middle_of
-from jawenv.filter.nuisances.changes import (
-    NuisanceScratch,
-    add_readings,
-    middle_rates,
-    nuisance_scratch_dtype,
-    set_wrenches,
-)
+from jawenv.filter.nuisances.changes import add_readings, middle_rates, set_wrenches
+from jawenv.filter.nuisances.if_any import NuisanceScratch, nuisance_scratch_dtype
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import Array, record_dtype

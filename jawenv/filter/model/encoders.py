@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, cross, vector3
-from jawenv.mechanics.bilateral import N_BODY, midline_pose, point_motion, split_body
-from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.dynamics import N_BODY, N_STATES
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
+from jawenv.mechanics.kinematics import (
+    contact_point,
+    fossa,
+    midline_pose,
+    point_motion,
+    rotation,
+    split,
+    split_body,
+    turning_axes,
+)
 
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
 N_POSE = 6  # of these, position and angles

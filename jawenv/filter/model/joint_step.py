@@ -20,9 +20,8 @@ from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.linalg import add_scaled, multiply
 from jawenv.kernels.records import Array
 from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_place, stage_reach, stage_weight
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, Linear
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, Linear, linearised_rate, motion_of
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.linearisation import linearised_rate, motion_of
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 N_SAMPLES = 3  # of the load cell per step

@@ -23,11 +23,9 @@ from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
-from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, split_body
-from jawenv.mechanics.dynamics import N_WRENCH, Linear, linear_dtype, state_rate
+from jawenv.mechanics.dynamics import N_BODY, N_WRENCH, Linear, linear_dtype, linearised_rate, state_rate
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
-from jawenv.mechanics.linearisation import linearised_rate
 
 ORDER = 4  # of the series
 VECTOR = 8  # numbers that the compiler's loops take at once
@@ -72,7 +70,7 @@ def _set_rates(h, scratch: Step):
 
 
 @njit
-def _set_part(h, scratch: Step):
+def set_part(h, scratch: Step):
     """Into ``part`` (n, n + 6) both series of a part of ``h`` seconds."""
     rates, power, product, part = scratch.rates, scratch.power, scratch.product, scratch.part
     size, columns = part.shape
@@ -91,7 +89,7 @@ def _set_part(h, scratch: Step):
 
 
 @njit
-def _append_part(first, scratch: Step):
+def append_part(first, scratch: Step):
     """``total`` (n, n + 6) becomes the derivative of all parts up to this one, which may be the first."""
     part, total, product = scratch.part, scratch.total, scratch.product
     size, columns = part.shape
@@ -132,43 +130,12 @@ def midline_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
         q, u = runge_kutta_step(midline_rate, q, u, h, (jaw, samples, part, parts, derive, scratch))
         set_state(motion, q, u)
     if derive:
-        _set_part(h, scratch)
+        set_part(h, scratch)
         for part in range(parts):
-            _append_part(part == 0, scratch)
+            append_part(part == 0, scratch)
 
 
-@njit_within
-def body_rate(q, u, stage, h, arguments):
-    """(q', u') of the jaw with two condyles; half way through each part also the Jacobian, into ``scratch``."""
-    jaw, samples, part, parts, derive, scratch = arguments
-    sample = between_samples(samples, stage_share(part, stage, parts))
-    if stage != 2 or not derive:
-        return bilateral_rate(jaw, scratch.muscles, q, u, sample)
-    return linearised_rate(jaw, scratch.muscles, q, u, sample, scratch.linear)
-
-
-@njit_within
-def body_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
-    """Move ``motion`` (12) of the jaw with two condyles through a step; ``derive``: its derivative, into ``total``.
-
-    On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
-    """
-    parts = step_parts(jaw, scratch.muscles, motion, dt, scratch.linear)
-    h = dt / parts
-    for part in range(parts):
-        q, u = split_body(motion)
-        q, u = runge_kutta_step(body_rate, q, u, h, (jaw, samples, part, parts, derive, scratch))
-        set_state(motion, q, u)
-        if derive:
-            _set_part(h, scratch)
-            _append_part(part == 0, scratch)
-
-
-def _body_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
-    body_step(jaw, motion, samples, dt, derive, scratch)
-
-
-@where(lambda scratch: scratch.typeof("total").shape[0] < N_BODY, otherwise=_body_step)
+@where(lambda scratch: scratch.typeof("total").shape[0] < N_BODY, otherwise="jawenv.filter.model.body_step.body_step")
 def move(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
     """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for."""
     midline_step(jaw, motion, samples, dt, derive, scratch)

@@ -12,18 +12,11 @@ they are expected.
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Annotated
-
-import numpy as np
-
-from jawenv.device.device import N_MOTORS
-from jawenv.device.force_sensor import N_ERRORS
 from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances
-from jawenv.filter.model.balance import at_mouthpiece, left_over
 from jawenv.filter.model.encoders import N_MEASUREMENTS, N_POSE, read_motion
-from jawenv.filter.model.regressors import middle_of
-from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_rest
+from jawenv.filter.model.regressors import at_mouthpiece, left_over, middle_of
+from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_jaw, copy_rest, move_jaw
+from jawenv.filter.nuisances.if_any import NuisanceScratch
 from jawenv.filter.nuisances.turned import add_offset, turn_readings, turn_wrench
 from jawenv.filter.nuisances.without_cell import (
     correct_motors,
@@ -33,30 +26,13 @@ from jawenv.filter.nuisances.without_cell import (
     set_motor_column,
 )
 from jawenv.kernels.compiled import njit, where
-from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract
 from jawenv.mechanics.forces import muscle_pull
-from jawenv.mechanics.jaw import Jaw, jaw_dtype
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 STEP = 0.01  # sds of the differences that stand for derivatives
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-class NuisanceScratch:
-    """Working memory of what nuisances change."""
-
-    jaw: Jaw
-    expected: Annotated[Array, N_MEASUREMENTS]
-    changed: Annotated[Array, N_MEASUREMENTS]
-    motor_errors: Annotated[Array, N_MOTORS, N_ERRORS]
-    friction_share: Annotated[Array, N_MOTORS]  # half way through the tick
-
-
-@cache
-def nuisance_scratch_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
-    """Dtype of ``NuisanceScratch``."""
-    return record_dtype(NuisanceScratch, jaw=jaw_dtype(n_lines if n else 1))
 
 
 @njit
@@ -200,14 +176,8 @@ def _readings_of_nuisances(settings: FilterSettings):
     return N_POSE
 
 
-def has_nuisances(belief):
-    """Whether more than the muscles is unknown, by the belief's type."""
-    return belief.typeof("nuisances").shape[0]
-
-
-@where(has_nuisances)
 def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: FilterSettings, scratch):
-    """``set_wrenches`` where there are nuisances, compiled only then."""
+    """``set_wrenches`` for the filter."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     wrenches = scratch.line_wrench
     last = belief.smoothed
@@ -218,26 +188,23 @@ def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: Fil
     set_wrenches(jaw, muscles, at, settings.nuisances, first, wrenches, scratch.nuisances)
 
 
-@where(has_nuisances)
 def add_nuisance_readings(jaw: Jaw, belief: Belief, settings: FilterSettings, used, scratch):
-    """``add_readings`` where there are nuisances, compiled only then."""
+    """``add_readings`` for the filter."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     rows = scratch.by_tension_rows[: _readings_of_nuisances(settings)]
     add_readings(jaw, belief.predicted, settings.nuisances, used, first, rows, scratch.nuisances)
 
 
-@where(has_nuisances)
 def correct_samples(jaw: Jaw, belief: Belief, settings: FilterSettings, samples, scratch):
-    """Correct the ``samples`` (3, 6) of the force by the nuisances' means, compiled where there are nuisances."""
+    """Correct the ``samples`` (3, 6) of the force by the nuisances' means."""
     pose, _ = middle_of(jaw, scratch.start_motion, scratch.instrument.motion)
     _correct_offsets(belief, settings.nuisances, pose, samples)
     if has_motors(settings.nuisances):
         correct_motors(jaw, belief, settings, samples, scratch)
 
 
-@where(has_nuisances)
 def follow_friction(jaw: Jaw, belief: Belief, settings: FilterSettings, scratch):
-    """The shares of the motors' friction at the end of a tick, from the motion; compiled where there are nuisances."""
+    """The shares of the motors' friction at the end of a tick, from the motion."""
     if has_motors(settings.nuisances):
         move_friction(jaw, belief, settings, scratch.start_motion)
 
@@ -254,10 +221,23 @@ def _correct_offsets(belief: Belief, nuisances: Nuisances, pose, samples):
             add_offset(nuisances.offset[j], -mean, pose, samples[i])
 
 
-@njit
 def correct_readings(belief: Belief, nuisances: Nuisances, measured, corrected):
     """``corrected`` (12) = ``measured`` turned back, as far as the belief knows."""
     corrected[:] = measured
     for j in range(nuisances.mass.shape[0]):
         if nuisances.turns[j]:
             turn_readings(nuisances.turn[j], belief.nuisances[j], corrected, corrected)
+
+
+def begin_jaw(jaw: Jaw, belief: Belief):
+    """The filter's own model begins as ``jaw``."""
+    copy_jaw(jaw, belief.jaw)
+
+
+def move_nuisances(belief: Belief, settings: FilterSettings, row, first):
+    """Move the nuisances and the filter's model by the steps that ``row`` has from ``first`` on."""
+    for k in range(belief.nuisances.shape[0]):
+        if is_apart(settings) and not settings.nuisances.at_rest[k]:
+            row[first + k] = 0.0
+        belief.nuisances[k] += row[first + k]
+    move_jaw(belief.jaw, settings.nuisances, row, first)

@@ -20,13 +20,13 @@ DRIFT_S, SLOWEST_DRIFT = 1.0, 3e-5  # s, m/s
 def stay_of(jaw: Jaw, belief: Belief, dt):
     """Ticks that the mouthpiece takes for ``ALIKE`` at its velocity, smoothed over ``DRIFT_S``."""
     slide, turning, end = (6, 9, 12) if jaw.condyles == 2 else (5, 7, 10)
-    shift, turn = 0.0, 0.0
+    shift, turn, rates = 0.0, 0.0, belief.stay.drift_rates
     for i in range(slide, end):
-        belief.drift_rates[i - slide] += dt / DRIFT_S * (belief.motion[i] - belief.drift_rates[i - slide])
+        rates[i - slide] += dt / DRIFT_S * (belief.motion[i] - rates[i - slide])
         if i < turning:
-            shift = hypot(shift, belief.drift_rates[i - slide])
+            shift = hypot(shift, rates[i - slide])
         else:
-            turn = hypot(turn, belief.drift_rates[i - slide])
+            turn = hypot(turn, rates[i - slide])
     return ALIKE / (dt * max(shift + jaw.mouthpiece[0] * turn, SLOWEST_DRIFT))
 
 
@@ -52,12 +52,13 @@ def count_ticks(jaw: Jaw, belief: Belief, settings: FilterSettings):
     Where the first ones count whole, how many it has been there beyond these, smoothed over ``DRIFT_S``. Else a jaw
     held at the edge of a cell would learn most from readings whose noise takes it to the next one, with a bias.
     """
-    cell = cell_of(jaw, belief.motion, belief.visits.shape[0])
-    belief.visits[cell] += 1.0
-    belief.visited += settings.dt / DRIFT_S * (belief.visits[cell] - belief.visited)
+    stay = belief.stay
+    cell = cell_of(jaw, belief.motion, stay.visits.shape[0])
+    stay.visits[cell] += 1.0
+    stay.visited += settings.dt / DRIFT_S * (stay.visits[cell] - stay.visited)
     if settings.whole > 0.0:
-        return max(belief.visited - settings.whole, 0.0)
-    return max(stay_of(jaw, belief, settings.dt), belief.visits[cell])
+        return max(stay.visited - settings.whole, 0.0)
+    return max(stay_of(jaw, belief, settings.dt), stay.visits[cell])
 
 
 @njit

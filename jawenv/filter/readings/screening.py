@@ -79,7 +79,7 @@ def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, sc
     Returns how many readings of ``settings.used`` are left out.
     """
     left_out, expected_known = 0, False
-    last, steps, repeats = belief.last_measured, belief.encoder_step, belief.repeats
+    last, steps, repeats = belief.sensors.last_measured, belief.sensors.encoder_step, belief.sensors.repeats
     ranges = (POSITION, ANGLE, VELOCITY, RATE)
     for i in range(measured.shape[0]):
         good = _in_range(measured[i], ranges[i // 3])
@@ -107,7 +107,7 @@ def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, sc
 @njit
 def _has_moved_on(jaw: Jaw, belief: Belief, changed):
     """Whether the believed mouthpiece has moved by ``STILL`` since the load cell last ``changed``."""
-    pose, at = belief.motion, belief.unchanged_at
+    pose, at = belief.motion, belief.sensors.unchanged_at
     places = 3 if jaw.condyles == 2 else 2
     if changed:
         for i in range(places + 3):
@@ -130,16 +130,16 @@ def mark_frozen(jaw: Jaw, belief: Belief, samples, settings: FilterSettings, fro
 
     The first sample may be the last one of the tick before, as it is where a row has a single reading.
     """
-    changed = False
+    changed, steps = False, belief.sensors.cell_step
     for k in range(samples.shape[1]):
         first, middle, last = samples[0, k], samples[1, k], samples[2, k]
         frozen[k] = 1 if first == middle and middle == last and settings.cell_repeats[k] == 0 else 0
         changed = changed or not frozen[k]
         for change in (middle - first, last - middle):
-            belief.cell_step[k] = _common_step(belief.cell_step[k], change, WRENCH_SDS[k // 3])
+            steps[k] = _common_step(steps[k], change, WRENCH_SDS[k // 3])
     moved_on = _has_moved_on(jaw, belief, changed)
     for k in range(samples.shape[1]):
-        if belief.cell_step[k] != 0.0 and not moved_on:
+        if steps[k] != 0.0 and not moved_on:
             frozen[k] = 0
 
 
@@ -158,7 +158,7 @@ def repair_samples(belief: Belief, samples, frozen, dt, variance, usable):
     Returns:
         How many components are held.
     """
-    held_sample, lost_for = belief.held_sample, belief.lost_for
+    held_sample, lost_for = belief.sensors.held_sample, belief.sensors.lost_for
     number = 0
     for k in range(samples.shape[1]):
         good = not frozen[k]

@@ -26,7 +26,7 @@ import numpy as np
 from jawenv.filter.belief.state import Belief, FilterSettings, lose_motion, shared_columns, tension_columns
 from jawenv.filter.model.basis import set_derivatives
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.nuisances.changes import NuisanceScratch, add_nuisance_readings, nuisance_scratch_dtype
+from jawenv.filter.nuisances.if_any import NuisanceScratch, add_nuisance_readings, nuisance_scratch_dtype
 from jawenv.filter.updates.instrument import set_rows_of_past
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_product, whiten

@@ -16,11 +16,10 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.filter.belief.state import Belief, FilterSettings, lose_motion, tension_columns
-from jawenv.filter.model.balance import set_accelerating, set_balanced
 from jawenv.filter.model.joint_step import N_SAMPLES, set_muscles
 from jawenv.filter.model.motion_step import Step, move, step_dtype
-from jawenv.filter.model.regressors import middle_of, set_line_wrenches
-from jawenv.filter.nuisances.changes import (
+from jawenv.filter.model.regressors import middle_of, set_accelerating, set_balanced, set_line_wrenches
+from jawenv.filter.nuisances.if_any import (
     NuisanceScratch,
     correct_samples,
     nuisance_scratch_dtype,

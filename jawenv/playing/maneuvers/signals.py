@@ -144,7 +144,7 @@ class Keyframes(Signal):
         return max((peak * abs(b.value - a.value) / (b.t_s - a.t_s) for a, b in pairs), default=0.0)
 
 
-class Harmonic(InputModel):
+class _Harmonic(InputModel):
     """One sine: amplitude sin(2 pi frequency t + phase). Say either its period or its frequency."""
 
     amplitude: Number
@@ -153,7 +153,7 @@ class Harmonic(InputModel):
     phase_deg: Number = 0.0
 
     @model_validator(mode="after")
-    def _one_of_two(self) -> "Harmonic":
+    def _one_of_two(self) -> "_Harmonic":
         if (self.period_s is None) == (self.frequency_hz is None):
             raise ValueError("give exactly one of period_s and frequency_hz")
         return self
@@ -173,7 +173,7 @@ class Harmonics(Signal):
     """
 
     kind: Literal["harmonics"]
-    harmonics: tuple[Harmonic, ...] = Field(min_length=1, max_length=MOST_HARMONICS)
+    harmonics: tuple[_Harmonic, ...] = Field(min_length=1, max_length=MOST_HARMONICS)
     offset: Number = 0.0
 
     @cached_property

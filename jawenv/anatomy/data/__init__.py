@@ -1,1 +1,0 @@
-"""Data files of the anatomy: every number with unit, source and grade."""
