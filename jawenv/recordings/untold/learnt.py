@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
+from jawenv.recordings.defaults import UNMODELLED_TIME
+from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
-from jawenv.recordings.untold_bank import Mixture, mixture
-from jawenv.recordings.untold_blocks import Blocks, blocks_of
-from jawenv.recordings.untold_shown import Shown, shown
-from jawenv.recordings.untold_temperature import excess, joint_of
+from jawenv.recordings.thinning import divided
+from jawenv.recordings.untold.bank import Mixture, mixture
+from jawenv.recordings.untold.blocks import Blocks, blocks_of
+from jawenv.recordings.untold.shown import Shown, shown
+from jawenv.recordings.untold.temperature import excess, joint_of
 
 Array = NDArray[np.float64]
 
-ROUNDS, ENOUGH = 4, 1.02
-MOVED = 0.1  # of a natural logarithm, from where the motion is linearised anew
-FEWEST = 10
+_ROUNDS, _ENOUGH = 4, 1.02
+_MOVED = 0.1  # of a natural logarithm, from where the motion is linearised anew
+_FEWEST = 10
 """Blocks of which groups can be left out."""
 
 
@@ -30,8 +33,7 @@ class Learnt:
 
     mean: Array  # (p,) natural logs
     cov: Array  # (p, p)
-    temperature: float  # what the information was divided by
-    sizes: Array  # (4,) the most probable, see ``untold_bank.SIZES``
+    sizes: Array  # (4,) the most probable, see ``bank.SIZES``
     shown: Shown  # the reasons, to be drawn
 
 
@@ -42,32 +44,44 @@ def learnt(record: Record, mean: Array) -> Learnt | None:
     over time raise it; for those that stay the bank has sizes.
 
     Args:
-        record: with ticks of 10 ms.
+        record: the recording.
         mean: (p,) the filter's last belief.
     """
     if len(record.start_mean) == N_BODY:  # on two condyles everything else is taken for exact
         return None
+    record = divided(record, max(1, round(record.dt / UNMODELLED_TIME)))
     blocks = blocks_of(record, mean)
-    if len(blocks.score) < FEWEST or not np.isfinite(blocks.information).all():
+    if len(blocks.score) < _FEWEST or not np.isfinite(blocks.information).all():
         return None
     found, temperature, spread = _weighed(blocks)
-    if np.abs(found.best - blocks.point).max() > MOVED:
+    if np.abs(found.best - blocks.point).max() > _MOVED:
         values = joint_of(blocks, found.best, found.sizes, temperature).values
         blocks = blocks_of(record, found.best, values[blocks.tensions :])
         found, temperature, spread = _weighed(blocks)
-    return Learnt(found.mean, spread * found.cov, temperature, found.sizes, shown(blocks, found, temperature))
+    return Learnt(found.mean, spread * found.cov, found.sizes, shown(blocks, found, temperature))
 
 
 def _weighed(blocks: Blocks) -> tuple[Mixture, float, float]:
     """The mixture, its temperature, and a factor of its covariance where parts do not agree after all rounds."""
     temperature = 1.0
-    for _ in range(ROUNDS):
+    for _ in range(_ROUNDS):
         found = mixture(blocks, temperature)
         beyond = excess(blocks, joint_of(blocks, found.best, found.sizes, temperature), temperature)
-        if beyond <= ENOUGH:
+        if beyond <= _ENOUGH:
             return found, temperature, 1.0
         temperature *= beyond
     return found, temperature, beyond
+
+
+def identified_with_errors(record: Record) -> tuple[Identification, Learnt | None]:
+    """The identification of a recording whose last belief has learnt the sizes of errors, and that belief."""
+    found = identified(record)
+    last = learnt(record, found.estimate.mean[-1])
+    if last is None:
+        return found, None
+    mean, cov = found.estimate.mean.copy(), found.estimate.cov.copy()
+    mean[-1], cov[-1] = last.mean, last.cov
+    return replace(found, estimate=replace(found.estimate, mean=mean, cov=cov)), last
 
 
 def learnt_beliefs(records: Sequence[Record] | None, means: Array, covs: Array) -> tuple[Array, Array]:

@@ -13,20 +13,20 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.recordings.untold_blocks import Blocks
-from jawenv.recordings.untold_law import bends, tensions
+from jawenv.recordings.untold.blocks import Blocks
+from jawenv.recordings.untold.law import bends, tensions
 
 Array = NDArray[np.float64]
 
-SCANS = (0.0, 1.0)
-CONSTANTS = (0.0, 0.03, 0.1, 0.3)
-SHAPES = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0)
+_SCANS = (0.0, 1.0)
+_CONSTANTS = (0.0, 0.03, 0.1, 0.3)
+_SHAPES = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0)
 LAWS = (0.0, 0.03, 0.1, 0.3)
-LEVELS = SCANS, CONSTANTS, SHAPES, LAWS
+LEVELS = _SCANS, _CONSTANTS, _SHAPES, LAWS
 SIZES = np.array(list(product(*LEVELS)))
 """(192, 4) share of a scan's sds; sds of a wrench's constants, N, and other shapes, N; of bends, share of a tension."""
-TOLD = 0.9
-STEPS, HALVINGS, ENOUGH = 12, 6, 1e-4
+_TOLD = 0.9
+_STEPS, _HALVINGS, _ENOUGH = 12, 6, 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ def _beforehand(sizes: Array) -> Array:
     """(N,) logarithms of the weights before anything is read; a wrench that the filter was told of is learnt too."""
     weights = np.zeros(len(sizes))
     for j, levels in enumerate(LEVELS):
-        weights += np.where(sizes[:, j] == 0.0, np.log(TOLD), np.log((1.0 - TOLD) / (len(levels) - 1)))
+        weights += np.where(sizes[:, j] == 0.0, np.log(_TOLD), np.log((1.0 - _TOLD) / (len(levels) - 1)))
     return weights
 
 
@@ -112,7 +112,7 @@ def _most_probable(blocks: Blocks, information: Array, score: Array) -> tuple[Ar
 
     theta = np.tile(blocks.point, (len(score), 1))
     now = height(theta)
-    for _ in range(STEPS):
+    for _ in range(_STEPS):
         moved, by_log = tensions(blocks.basis, theta)
         pulled = score - np.einsum("nij,nj->ni", information, moved - nominal)
         gradient = np.einsum("ncp,nc->np", by_log, pulled) - (theta - blocks.prior_mean) @ prior
@@ -120,7 +120,7 @@ def _most_probable(blocks: Blocks, information: Array, score: Array) -> tuple[Ar
         step = np.linalg.solve(precision, gradient[:, :, None])[:, :, 0]
         step /= np.maximum(np.abs(step).max(axis=1), 1.0)[:, None]
         share = np.ones(len(theta))
-        for _ in range(HALVINGS):
+        for _ in range(_HALVINGS):
             then = height(theta + share[:, None] * step)
             worse = ~(then >= now - 1e-9)
             if not worse.any():
@@ -128,7 +128,7 @@ def _most_probable(blocks: Blocks, information: Array, score: Array) -> tuple[Ar
             share[worse] *= 0.5
         share[worse], then = 0.0, np.where(worse, now, then)
         theta, gained, now = theta + share[:, None] * step, then - now, then
-        if gained.max() < ENOUGH:
+        if gained.max() < _ENOUGH:
             break
     by_log = tensions(blocks.basis, theta)[1]
     precision = np.swapaxes(by_log, 1, 2) @ information @ by_log + prior
