@@ -51,6 +51,8 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     for output in (page, answer):
         if output is not None:
             check_kept(output, [path, reading.get("columns")])
+    if page is not None and answer is not None and page.resolve() == answer.resolve():
+        raise InputError(f"--page and --json are both {page}; allowed: two files")
     record = load_record(path, UNKNOWN, **reading)
     rate = findings(record)[0]
     if not rate.plausible:
