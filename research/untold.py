@@ -109,7 +109,7 @@ def _of_effect(title, arguments):
     played = jawenv.play(Sines(arguments.movement), patients=arguments.patients, seed=arguments.seed, env_kwargs=kwargs)
     chosen = np.flatnonzero(played.valid[:, -1])
     means, covs, truth = played.belief_mean[chosen, -1], played.belief_cov[chosen, -1], played.truth[chosen]
-    found = [learnt(played.records[i], mean) for i, mean in zip(chosen, means, strict=True)]
+    found = [learnt(played.records[i], *belief) for i, *belief in zip(chosen, means, covs, strict=True)]
     filtered, after = (
         _Beliefs.of(means, covs, truth),
         _Beliefs.of([one.mean for one in found], [one.cov for one in found], truth),

@@ -200,7 +200,7 @@ def _play_shared(
 
 def _with_errors(treatment: Treatment, recording: Recording) -> Treatment:
     """The treatment, its last belief with the sizes of errors that nobody told where readings were kept."""
-    last = None if recording.records is None else learnt(recording.records[0], treatment.mean[-1])
+    last = None if recording.records is None else learnt(recording.records[0], treatment.mean[-1], treatment.cov[-1])
     if last is None:
         return treatment
     mean, cov = treatment.mean.copy(), treatment.cov.copy()

@@ -33,6 +33,7 @@ class Identification:
     left_out: int  # numbers out of range, or of a frozen sensor
     misfit: float  # the filter's alarm; it rings above 1
     findings: tuple[Finding, ...]  # what the recording shows before the filter
+    rival: str = ""  # what explains the readings as well and is not believed, in words
 
     @property
     def doubts(self) -> list[str]:
@@ -46,6 +47,8 @@ class Identification:
             doubts.append(f"rows that teach: {self.learnt_s:.2g} s; allowed: {LEAST_S:g} s or more, off the teeth")
         if not self.misfit <= LARGEST_MISFIT:
             doubts.append(f"the readings do not fit the model: misfit {self.misfit:.3g}; allowed: {LARGEST_MISFIT:g}")
+        if self.rival:
+            doubts.append(f"{self.rival}; allowed: one explanation")
         for what, share, most in (
             ("rows refused by the filter's gate", self.refused / max(self.rows, 1), MOST_REFUSED),
             ("numbers left out", self.left_out / max(self.numbers, 1), MOST_LEFT_OUT),
