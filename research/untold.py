@@ -9,6 +9,7 @@ printed as soon as it is there.
 """
 
 import argparse
+import shlex
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +45,6 @@ TOLD = {
         "scar band, 800 N/m",
         "play, 0.3 mm, 0.3°",
         "swallows, 1 N",
-        "creep, 0.3",
     ),
 }
 """What the filter was told of its anatomy -> what it was not told."""
@@ -53,12 +53,12 @@ MOVEMENTS = {
     "slow": ((0.35, 0.05, 0.05, 0.05), (9.0, 7.0, 11.0, 8.0)),
 }
 """Amplitudes of the four channels and their periods, s."""
+EARLIER = {"patients": 16, "seed": 388_000}
 PAGE = (
-    {"knowledge": "exact", "cohort": "trismus", "movement": "sines"},
-    {"knowledge": "bench", "cohort": "trismus", "movement": "sines"},
-    {"knowledge": "exact", "cohort": "one_sided", "movement": "sines"},
-    {"knowledge": "bench", "cohort": "one_sided", "movement": "sines"},
-    {"knowledge": "exact", "cohort": "trismus", "movement": "slow", "patients": 16},
+    {"knowledge": "exact", "effects": (*list(EFFECTS)[:10], MUJOCOS)},
+    {"knowledge": "exact", "effects": tuple(EFFECTS)[10:], **EARLIER},
+    {"knowledge": "bench", **EARLIER},
+    {"knowledge": "exact", "cohort": "one_sided", "patients": 16, "effects": tuple(EFFECTS)[:10]},
 )
 
 
@@ -128,7 +128,8 @@ def _section(arguments):
     """Print a table of all that a filter was not told."""
     options = " ".join(f"--{name} {getattr(arguments, name)}" for name in ("cohort", "movement", "patients", "seed"))
     print(f"## Told {arguments.knowledge}: `{arguments.cohort}`, {arguments.movement}\n")
-    print(f"`python -m research.untold {arguments.knowledge} {options}`:\n")
+    effects = f" --effects {shlex.join(arguments.effects)}" if arguments.effects else ""
+    print(f"`python -m research.untold {arguments.knowledge} {options}{effects}`:\n")
     _row(
         "untold",
         "rings, %",
