@@ -58,7 +58,7 @@ PAGE = (
     {"knowledge": "exact", "effects": (*list(EFFECTS)[:10], MUJOCOS)},
     {"knowledge": "exact", "effects": tuple(EFFECTS)[10:], **EARLIER},
     {"knowledge": "bench", **EARLIER},
-    {"knowledge": "exact", "cohort": "one_sided", "patients": 16, "effects": tuple(EFFECTS)[:10]},
+    {"knowledge": "exact", "cohort": "one_sided", "patients": 16, "effects": tuple(EFFECTS)[:9]},
 )
 
 

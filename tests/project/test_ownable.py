@@ -18,11 +18,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines of the trunk": 27_551,
+    "lines of the trunk": 27_539,
     "lines of a leaf": 2_810,
     "doors of a leaf": 2,
     "longest chain of imports": 34,
-    "public top-level names": 1_576,
+    "public top-level names": 1_575,
     "modules that a step loads": 116,
     "lines that a step loads": 13_665,
     "lines that eval compare loads": 24_272,
