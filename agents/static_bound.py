@@ -65,7 +65,8 @@ def static_bound(simulation: Any, seconds: float, poses: int = POSES, seed: int 
     parts = np.array_split(np.arange(len(of_patient)), -(-len(of_patient) // TOGETHER))
     with torch.no_grad():
         found = [_information(twin, patients[of_patient[part]], targets[part]) for part in parts]
-    information = torch.cat([told for told, _ in found]).unflatten(0, (number, poses))
+    information = torch.cat([told for told, _ in found])
+    information = information.reshape(number, poses, *information.shape[1:])
     allowed = torch.cat([within for _, within in found]).reshape(number, poses)
     asked = torch.tensor(simulation.asked).double().repeat_interleave(2, -1)
     prior = Belief(twin, patients).precision
@@ -100,6 +101,6 @@ def _shared_out(prior: Tensor, information: Tensor, allowed: Tensor, asked: Tens
         variances = torch.linalg.inv(whole).diagonal(dim1=-2, dim2=-1)[:, : asked.shape[1]]
         if update < UPDATES:
             optimiser.zero_grad()
-            ((asked * variances).pow(POWER / 2.0).sum(-1).log() / POWER).sum().backward()  # type: ignore[no-untyped-call]
+            ((asked * variances).pow(POWER / 2.0).sum(-1).log() / POWER).sum().backward()
             optimiser.step()
     return 0.5 * (asked * variances).detach().amax(-1).log(), shares.detach()

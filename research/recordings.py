@@ -76,7 +76,7 @@ def spoilt(record: Record, strength: float) -> Iterator[tuple[str, Record]]:
             yield name, replace(record, time=record.time * factor)
 
 
-def honest(kind: str, seed: int, episode_s: float) -> Record:
+def _honest(kind: str, seed: int, episode_s: float) -> Record:
     """A simulated patient's record."""
     kwargs: dict[str, Any] = {
         "record": True,
@@ -103,12 +103,12 @@ def judged(record: Record) -> tuple[bool, float, float, float, float]:
     return not result.believable, result.misfit, *shares, off
 
 
-def rows(seeds: range, number: int, spoilt_number: int, episode_s: float) -> dict[str, list[tuple[float, ...]]]:
+def _rows(seeds: range, number: int, spoilt_number: int, episode_s: float) -> dict[str, list[tuple[float, ...]]]:
     """Judgements of every recording, by kind."""
     results: dict[str, list[tuple[float, ...]]] = {}
     for i in range(number):
         kind = HONEST[i % len(HONEST)]
-        record = honest(kind, seeds[i], episode_s)
+        record = _honest(kind, seeds[i], episode_s)
         results.setdefault(f"honest, {kind}", []).append(judged(record))
         if kind == "exact" and i // len(HONEST) < spoilt_number:
             for strength, label in ((1.0, ""), (1.0 / 3.0, ", a third")):
@@ -143,7 +143,7 @@ def main() -> None:
     parser.add_argument("--output", type=Path)
     arguments = parser.parse_args()
     seeds = TUNING if arguments.tuning else REPORTS[1]
-    text = table(rows(seeds, arguments.honest, arguments.spoilt, arguments.episode_s))
+    text = table(_rows(seeds, arguments.honest, arguments.spoilt, arguments.episode_s))
     print(text)
     if arguments.output is not None:
         arguments.output.write_text(text, encoding="utf-8")

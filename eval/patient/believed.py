@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from eval.patient.charts import SD_95
 from eval.report import drawing, template
-from jawenv.recordings.untold_errors import Learnt
+from jawenv.recordings.untold.shown import Shown
 
 SIZE = (520.0, 150.0)  # points
 _LETTERS = 9.0  # points
@@ -21,20 +21,19 @@ _CSS = {_BAR: "var(--band)", _LINE: "var(--estimate)", "#9d3f1e": "var(--stiff)"
 AGREE = 1.1
 
 
-def figure(learnt: Learnt) -> Markup:
+def figure(shown: Shown) -> Markup:
     """Both panels side by side."""
     width, height = SIZE
     with drawing.style():
         drawn = Figure(figsize=(width / 72, height / 72), layout="constrained")
         left, right = drawn.subplots(1, 2)
-        _draw_force(left, learnt)
-        _draw_poses(right, learnt)
+        _draw_force(left, shown)
+        _draw_poses(right, shown)
         label = "Force that no muscle pulls along the opening, and disagreement of each pose that was left out"
         return template.picture(drawn, "believed", label, _CSS)
 
 
-def _draw_force(axes: Any, learnt: Learnt) -> None:
-    shown = learnt.shown
+def _draw_force(axes: Any, shown: Shown) -> None:
     opening = np.degrees(shown.opening)
     for name, (k, colour) in FORCES.items():
         reach = SD_95 * shown.force_sd[:, k]
@@ -46,8 +45,7 @@ def _draw_force(axes: Any, learnt: Learnt) -> None:
     axes.legend(frameon=False, fontsize=_LETTERS)
 
 
-def _draw_poses(axes: Any, learnt: Learnt) -> None:
-    shown = learnt.shown
+def _draw_poses(axes: Any, shown: Shown) -> None:
     order = np.argsort(shown.pose_opening)
     axes.bar(np.arange(len(order)), shown.disagreement[order], color=_BAR)
     axes.axhline(1.0, color=_LINE, lw=1.0)
@@ -58,11 +56,11 @@ def _draw_poses(axes: Any, learnt: Learnt) -> None:
         axes.set_yscale("log")
 
 
-def in_words(learnt: Learnt) -> str:
+def in_words(shown: Shown) -> str:
     """Sentence about how well the parts of the recording agree."""
-    if learnt.temperature < AGREE:
+    if shown.temperature < AGREE:
         return "Parts of the recording agree with each other as they should."
-    wider = np.sqrt(learnt.temperature)
+    wider = np.sqrt(shown.temperature)
     return (
         f"Parts of the recording disagree: something changes over time that the estimate does not know of. "
         f"All error bars are {wider:.1f} times as wide for it."

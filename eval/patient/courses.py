@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 
 from agents.array_files import load_arrays, save_arrays
@@ -18,9 +19,12 @@ from eval.patient.treatments import Course, Treatment, first_treatment, next_tre
 from jawenv.anatomy import Patient
 from jawenv.base.errors import InputError
 from jawenv.base.progress import Progress
+from jawenv.recordings.untold.shown import Shown
 
 MOMENTS = 40
 """Kept of each treatment."""
+_OF_TREATMENT = tuple(field.name for field in fields(Treatment) if field.name != "shown")
+_OF_SHOWN = tuple(field.name for field in fields(Shown))
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,7 @@ def play_courses(
     for person in people:
         patient = None if person.patient is None else person.patient.model_dump()
         settings = {"seed": person.seed, "drift": course.drift, "patient": patient, "moments": MOMENTS}
-        name = fingerprint(entry, settings, belief, treatments)
+        name = fingerprint(entry, settings | {"untold": course.number == 1}, belief, treatments)
         paths = {str(number): folder / f"{name}-{number:04d}.npz" for number in range(1, course.number + 1)}
         parts.append(Part(person.name, 1, 1, tuple(paths.items())))
     work = partial(_play_course, entry=entry, drift=course.drift, people={person.name: person for person in people})
@@ -93,7 +97,7 @@ def _play_course(part: Part, progress: Progress, entry: Entry, drift: float, peo
     for played, (kind, path) in enumerate(part.files, start=1):
         number = int(kind)
         if number == 1:
-            treatment = first_treatment(entry, person.seed, person.patient)
+            treatment = first_treatment(entry, person.seed, person.patient, untold=len(part.files) == 1)
         else:
             last = load(path.with_name(path.name.replace(f"-{number:04d}.", f"-{number - 1:04d}.")))
             treatment = next_treatment(entry, last, number, drift, person.seed, person.patient)
@@ -103,16 +107,20 @@ def _play_course(part: Part, progress: Progress, entry: Entry, drift: float, peo
 
 def save(treatment: Treatment, path: Path) -> None:
     """Write a treatment, wholly or not at all."""
-    save_arrays(path, **asdict(treatment))
+    held = {name: getattr(treatment, name) for name in _OF_TREATMENT}
+    shown = {name: getattr(treatment.shown, name, np.empty(0)) for name in _OF_SHOWN}
+    save_arrays(path, **held, **shown)
 
 
 def load(path: Path) -> Treatment:
     """Read a file of ``save``."""
-    names = tuple(field.name for field in fields(Treatment))
+    names = *_OF_TREATMENT, *_OF_SHOWN
     try:
         held = dict(zip(names, load_arrays(path, names, "treatment"), strict=True))
     except InputError as error:
         reason = str(error).removeprefix(f"{path}: ")
         raise InputError(f"{path} is damaged ({reason}); delete it, or use --fresh") from None
     violated, misfit = bool(held.pop("violated")), float(held.pop("misfit"))
-    return Treatment(**held, violated=violated, misfit=misfit)
+    temperature, *reasons = (held.pop(name) for name in _OF_SHOWN)
+    shown = Shown(float(temperature), *reasons) if temperature.size else None
+    return Treatment(**held, violated=violated, misfit=misfit, shown=shown)

@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from eval.figures import words
 from eval.kept.entries import Entry
-from eval.patient import charts, drawing
+from eval.patient import believed, charts, drawing
 from eval.patient.changes import Change, change_in_words, change_of
 from eval.patient.charts import SD_95, Axis
 from eval.patient.courses import Person
@@ -84,7 +84,6 @@ class Subject:
     notice: str  # disclaimer
     prior: Prior  # belief about the muscles before the first treatment
     effects: str = ""  # effects unknown to the estimate; empty for none
-    believed: tuple[Markup, str] | None = None  # figure and words of whether to believe it, of a recording
 
     @classmethod
     def simulated(cls, entry: Entry, person: Person, plan: Course, seconds: float) -> Subject:
@@ -120,7 +119,7 @@ def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, An
     """
     now = verdicts_of(course, subject.prior)
     verdict_words = {name: verdict.word for name, verdict in zip(MUSCLE_NAMES, now, strict=True)}
-    changed = change_of(course, subject.prior)
+    changed, shown = change_of(course, subject.prior), course[-1].shown
     cards = {name: _card(course, subject.prior, changed, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
     return template.render(
         "patient.html.j2",
@@ -144,6 +143,7 @@ def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, An
         confidence=f"{100.0 * CONFIDENCE:g}",
         show_truth=show_truth,
         changes=changed is not None,
+        believed=shown and (believed.figure(shown), believed.in_words(shown)),
         about=metadata,
     )
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from eval.kept.tables import made_with
-from eval.patient import believed, page
+from eval.patient import page
 from eval.patient.courses import MOMENTS
 from eval.patient.treatments import Treatment
 from jawenv.anatomy import PARAMETER_NAMES
@@ -17,14 +17,18 @@ from jawenv.base.errors import InputError
 from jawenv.metrics import alarm_word
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
+from jawenv.recordings.untold.learnt import Learnt
 
 
-def write_page(record: Record, result: Identification, recording: Path, target: Path, assumed: str) -> Path:
+def write_page(
+    record: Record, result: Identification, last: Learnt | None, recording: Path, target: Path, assumed: str
+) -> Path:
     """Write the page; without a verdict where the estimates are not to be believed.
 
     Args:
         record: the recording.
         result: its identification.
+        last: its last belief, where sizes of errors that nobody told were learnt.
         recording: its file.
         target: the page's file.
         assumed: what was assumed of patient, anatomy and head, in words.
@@ -43,6 +47,7 @@ def write_page(record: Record, result: Identification, recording: Path, target: 
         truth=np.full(len(PARAMETER_NAMES), np.nan) if record.truth is None else record.truth,
         violated=False,
         misfit=result.misfit if result.believable else inf,
+        shown=None if last is None else last.shown,
     ).thinned(MOMENTS)
     subject = page.Subject(
         who=f"Recording “{recording.stem}”",
@@ -50,7 +55,6 @@ def write_page(record: Record, result: Identification, recording: Path, target: 
         f"alarm: {alarm_word(result.misfit)}. Assumed: {assumed}",
         notice="Research, not a medical device." + (" The patient is simulated." if simulated else ""),
         prior=record.prior,
-        believed=None if result.learnt is None else (believed.figure(result.learnt), believed.in_words(result.learnt)),
     )
     command = shlex.join(["jawenv", "identify", str(recording), "--page", str(target)])
     return page.write(page.render(subject, [treatment], made_with(command), simulated), target)

@@ -17,6 +17,8 @@ from jawenv.base.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import alarm_rings
 from jawenv.playing.recording import Recording
+from jawenv.recordings.untold.learnt import learnt
+from jawenv.recordings.untold.shown import Shown
 
 Array = NDArray[np.float64]
 
@@ -59,6 +61,7 @@ class Treatment:
     joint_mean: Array = field(default_factory=lambda: np.empty(0))
     """(P + Q,) joint belief at the end after all treatments so far; empty as well."""
     joint_cov: Array = field(default_factory=lambda: np.empty((0, 0)))  # (P + Q, P + Q)
+    shown: Shown | None = None  # what tells whether to believe it, where the last belief has learnt untold errors
 
     @property
     def likelihood(self) -> JointLikelihood | None:
@@ -88,22 +91,24 @@ def population_of(entry: Entry) -> Cohort:
     return cohort(entry.env_kwargs["cohort"], model_of_env(entry.env_id).muscles)
 
 
-def first_treatment(entry: Entry, seed: int, patient: Patient | None = None) -> Treatment:
+def first_treatment(entry: Entry, seed: int, patient: Patient | None = None, *, untold: bool = False) -> Treatment:
     """The treatment that begins with the prior of the cohort.
 
     Args:
         entry: the maneuver or agent.
         seed: of the patient and the noise.
         patient: drawn from the entry's cohort by default, as `jawenv.play` draws it where the anatomy is known exactly.
+        untold: whether the last belief learns the sizes of errors that nobody told, as `jawenv identify` does. A
+            treatment that follows goes on from what the filter believes, as if there were none.
     """
     population = population_of(entry)
     if not is_shared(entry):
-        return _play(entry, PatientBelief.of_prior(population.prior), patient, seed)
+        return _play(entry, PatientBelief.of_prior(population.prior), patient, seed, untold)
     generator = np.random.default_rng(seed)
     for attempt in range(REDRAWS):
         drawn = population.draw(generator) if patient is None else patient
         try:
-            return _play_shared(entry, None, _of_one_anatomy(drawn, seed), seed)
+            return _play_shared(entry, None, _of_one_anatomy(drawn, seed), seed, untold)
         except InputError:
             if patient is not None or attempt == REDRAWS - 1:
                 raise
@@ -148,18 +153,21 @@ def next_treatment(
     raise AssertionError("the last attempt returns or raises")
 
 
-def _play(entry: Entry, belief: PatientBelief, patient: Patient | None, noise: int) -> Treatment:
+def _play(entry: Entry, belief: PatientBelief, patient: Patient | None, noise: int, untold: bool = False) -> Treatment:
     """One treatment that begins with a belief."""
     population = population_of(entry)
     working = belief.working_prior(population.prior)
     cohort = KnownPatient.of(population, working)
-    recording = entry.play([patient], noise, cohort=cohort, track_bound=False)
+    recording = entry.play([patient], noise, cohort=cohort, track_bound=False, record=untold)
     last = recording.last[0] + 1
     mean, cov = combined(belief, working, recording.belief_mean[0, :last], recording.belief_cov[0, :last])
-    return Treatment(recording.time[:last], mean, cov, recording.truth[0], *_outcome(recording))
+    played = Treatment(recording.time[:last], mean, cov, recording.truth[0], *_outcome(recording))
+    return _with_errors(played, recording)
 
 
-def _play_shared(entry: Entry, before: tuple[Array, Array] | None, patient: Patient, noise: int) -> Treatment:
+def _play_shared(
+    entry: Entry, before: tuple[Array, Array] | None, patient: Patient, noise: int, untold: bool = False
+) -> Treatment:
     """One treatment that begins with a belief about muscles and anatomy together; None is the prior."""
     population = population_of(entry)
     working, parameters = population.prior, len(population.prior.mean)
@@ -172,12 +180,12 @@ def _play_shared(entry: Entry, before: tuple[Array, Array] | None, patient: Pati
         heard.append(joint_likelihood(env.unwrapped.simulation, 0))
 
     cohort = KnownPatient.of(population, working)
-    recording = entry.play([patient], noise, on_step=hear, cohort=cohort, track_bound=False)
+    recording = entry.play([patient], noise, on_step=hear, cohort=cohort, track_bound=False, record=untold)
     last = int(recording.last[0]) + 1
     likelihoods = heard[:last]
     start = before or at_start(population.prior, len(likelihoods[0].vector))
     beliefs = [likelihood.posterior(*start) for likelihood in likelihoods]
-    return Treatment(
+    played = Treatment(
         recording.time[:last],
         np.array([mean[:parameters] for mean, _ in beliefs]),
         np.array([cov[:parameters, :parameters] for _, cov in beliefs]),
@@ -187,6 +195,17 @@ def _play_shared(entry: Entry, before: tuple[Array, Array] | None, patient: Pati
         likelihoods[-1].vector,
         *beliefs[-1],
     )
+    return _with_errors(played, recording)
+
+
+def _with_errors(treatment: Treatment, recording: Recording) -> Treatment:
+    """The treatment, its last belief with the sizes of errors that nobody told where readings were kept."""
+    last = None if recording.records is None else learnt(recording.records[0], treatment.mean[-1], treatment.cov[-1])
+    if last is None:
+        return treatment
+    mean, cov = treatment.mean.copy(), treatment.cov.copy()
+    mean[-1], cov[-1] = last.mean, last.cov
+    return replace(treatment, mean=mean, cov=cov, shown=last.shown)
 
 
 def _outcome(recording: Recording) -> tuple[bool, float]:

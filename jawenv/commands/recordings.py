@@ -25,9 +25,10 @@ from jawenv.commands.answer import (
 from jawenv.metrics.calibration import YELLOW, alarm_word
 from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
 from jawenv.recordings.files import load_record
-from jawenv.recordings.identification import Identification, identified
+from jawenv.recordings.identification import Identification
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
+from jawenv.recordings.untold.learnt import identified_with_errors
 
 NOT_BELIEVABLE = 3
 SD_95 = 1.96
@@ -50,11 +51,13 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     for output in (page, answer):
         if output is not None:
             check_kept(output, [path, reading.get("columns")])
+    if page is not None and answer is not None and page.resolve() == answer.resolve():
+        raise InputError(f"--page and --json are both {page}; allowed: two files")
     record = load_record(path, UNKNOWN, **reading)
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
-    result = identified(record, untold=True)
+    result, last = identified_with_errors(record)
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
     fitted = result.rows - result.refused
     print(f"rows:    {result.rows:,} read, {fitted:,} fitted, {result.refused:,} refused by the filter's gate")
@@ -69,7 +72,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
         print(f"at the edge of what was assumed: {', '.join(edge)}")
     _print_muscles(record, result)
     if write_page is not None:
-        print(f"\npage: {write_page(record, result, path, page, assumed_in_words(record))}")
+        print(f"\npage: {write_page(record, result, last, path, page, assumed_in_words(record))}")
     if answer is not None:
         write_text(answer, json.dumps(as_mapping(record, result), indent=1) + "\n")
         print(f"\nanswer: {answer}")

@@ -184,7 +184,7 @@ def score(
         raise InputError(f"sd_limit is {sd_limit}; allowed: a value above 0")
     mean, cov = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
     if untold:
-        from jawenv.recordings.untold_errors import learnt_beliefs
+        from jawenv.recordings.untold.learnt import learnt_beliefs
 
         mean, cov = learnt_beliefs(recording.records, mean, cov)
     truth, error = recording.truth, mean - recording.truth

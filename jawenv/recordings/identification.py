@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +12,6 @@ from jawenv.recordings.online import OnlineFilter
 from jawenv.recordings.plausibility import Finding, findings
 from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import divided
-
-if TYPE_CHECKING:
-    from jawenv.recordings.untold_errors import Learnt
 
 # What honest recordings stay below (python -m research.recordings).
 LARGEST_MISFIT = 1.0
@@ -37,7 +33,7 @@ class Identification:
     left_out: int  # numbers out of range, or of a frozen sensor
     misfit: float  # the filter's alarm; it rings above 1
     findings: tuple[Finding, ...]  # what the recording shows before the filter
-    learnt: Learnt | None = None  # the last belief, where sizes of errors that nobody told are learnt
+    rival: str = ""  # what explains the readings as well and is not believed, in words
 
     @property
     def doubts(self) -> list[str]:
@@ -51,6 +47,8 @@ class Identification:
             doubts.append(f"rows that teach: {self.learnt_s:.2g} s; allowed: {LEAST_S:g} s or more, off the teeth")
         if not self.misfit <= LARGEST_MISFIT:
             doubts.append(f"the readings do not fit the model: misfit {self.misfit:.3g}; allowed: {LARGEST_MISFIT:g}")
+        if self.rival:
+            doubts.append(f"{self.rival}; allowed: one explanation")
         for what, share, most in (
             ("rows refused by the filter's gate", self.refused / max(self.rows, 1), MOST_REFUSED),
             ("numbers left out", self.left_out / max(self.numbers, 1), MOST_LEFT_OUT),
@@ -65,13 +63,8 @@ class Identification:
         return not self.doubts
 
 
-def identified(record: Record, *, untold: bool = False) -> Identification:
-    """Run the filter over a recording; ticks longer than 10 ms are divided (``thinning.divided``).
-
-    Args:
-        record: the recording.
-        untold: whether the last belief learns the sizes of errors that nobody told the filter of.
-    """
+def identified(record: Record) -> Identification:
+    """Run the filter over a recording; ticks longer than 10 ms are divided (``thinning.divided``)."""
     short = divided(record, max(1, round(record.dt / UNMODELLED_TIME)))
     online = OnlineFilter.of_record(short, every=EVERY)
     times, means, covs, left_out = [], [], [], 0
@@ -82,13 +75,6 @@ def identified(record: Record, *, untold: bool = False) -> Identification:
             times.append(short.time[tick])
             means.append(belief.log_mean)
             covs.append(belief.log_cov)
-    last = None
-    if untold:
-        from jawenv.recordings.untold_errors import learnt
-
-        last = learnt(short, belief.log_mean)
-    if last is not None:
-        means[-1], covs[-1] = last.mean, last.cov
     encoders, cell = np.isfinite(short.measured), np.isfinite(short.samples).all(axis=1)
     missing = np.sum(~encoders) + np.sum(~cell)
     return Identification(
@@ -100,5 +86,4 @@ def identified(record: Record, *, untold: bool = False) -> Identification:
         left_out=int(left_out - missing),
         misfit=belief.misfit,
         findings=tuple(findings(record)),
-        learnt=last,
     )

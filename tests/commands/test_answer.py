@@ -8,6 +8,7 @@ import pytest
 
 import jawenv
 from agents import load_agent
+from jawenv.commands import answer as answers
 from jawenv.commands.answer import UNKNOWN
 from jawenv.commands.app import main
 from jawenv.recordings.files import load_record, save_record
@@ -85,6 +86,23 @@ def test_an_answer_is_no_input(tmp_path, capsys):
     path = without_labels(played("severe", "hold_still", 3.0), tmp_path / "still.csv")
     assert main(["identify", str(path), "--json", str(path)]) == 2
     assert path.exists() and "still.csv" in capsys.readouterr().err
+
+
+def test_page_and_answer_are_two_files(tmp_path, capsys):
+    path, answer = without_labels(played("severe"), tmp_path / "bench.csv"), tmp_path / "answer.html"
+    assert main(["identify", str(path), "--json", str(answer), "--page", str(tmp_path / "." / "answer.html")]) == 2
+    error = capsys.readouterr().err
+    assert "--page and --json are both" in error and error.count("\n") == 1 and not answer.exists()
+
+
+def test_trying_other_patients_is_said_where_it_lasts(tmp_path, capsys, monkeypatch):
+    path = without_labels(played("one_sided"), tmp_path / "bench.csv")
+    arguments = ["identify", str(path), "--cohort", "trismus"]
+    assert main(arguments) == 3
+    assert "tries whether" not in capsys.readouterr().err
+    monkeypatch.setattr(answers, "PATIENCE_S", -1.0)
+    assert main(arguments) == 3
+    assert "tries whether a patient of anyone fits, 1 of" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("model", ["bilateral", "sagittal"])

@@ -82,9 +82,9 @@ LEAVES = {
         ("tests/eval/calibration",),
     ),
     "untold errors": Leaf(
-        ("jawenv/recordings/untold_*",),
-        ("jawenv/recordings/identification.py", "jawenv/metrics/score.py"),
-        ("tests/recordings",),
+        ("jawenv/recordings/untold/*",),
+        ("jawenv/commands/recordings.py", "jawenv/metrics/score.py"),
+        ("tests/recordings/untold",),
         ("patient's page",),
     ),
     "patient's page": Leaf(

@@ -119,6 +119,11 @@ def test_a_jaw_that_was_not_moved_gets_no_verdict(tmp_path, capsys):
     assert {verdict.word for verdict in verdicts(mean, cov, held.prior.sd)} == {NOT_MEASURED}
 
 
+def test_a_second_explanation_is_a_doubt():
+    found = identified(record())
+    assert found.believable and not replace(found, rival="F_o/x: 1 explains the readings, 2 as well").believable
+
+
 def saved(tmp_path, record, truth=False):
     path = tmp_path / "one.csv"
     save_record(record if truth else replace(record, truth=None, states=None, wrenches=None), path)

@@ -98,7 +98,7 @@ def twin(
         str | None, typer.Option(help="Agent on whose path they are compared.", metavar="MANEUVER|FILE|RUN")
     ] = None,
 ) -> None:
-    """Compare the differentiable twin with the environment and its filter, in 10 s of perturbed maneuvers or an agent."""
+    """Compare the differentiable twin with the environment and its filter, over 10 s of maneuvers or an agent."""
     from training.search.agreement import agreement
 
     Console(highlight=False, markup=False).print(agreement(world, patients, seed, agent).table(), soft_wrap=True)

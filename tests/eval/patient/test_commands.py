@@ -137,7 +137,7 @@ def test_a_page_stands_alone_and_says_what_it_is(three):
         assert "Research, not a medical device. The patient is simulated, the anatomy known" in text
         assert re.search(r"0\.\d{3} N 95 %: 0\.\d+ to [01]\.\d+", text)
         assert "true:" not in text and "truly" not in text
-    assert pages[LEFT].count("<svg") == 2 + 2 * len(MUSCLE_NAMES)
+    assert "Can it be believed?" in pages[LEFT] and pages[LEFT].count("<svg") == 3 + 2 * len(MUSCLE_NAMES)
 
 
 def test_the_truth_is_shown_where_it_is_asked_for(three, tmp_path):
@@ -225,10 +225,11 @@ def test_the_change_stands_beside_the_estimates_where_the_anatomy_is_not_known_e
     assert "change:" not in words_of((tmp_path / "exact" / "patient-5200.html").read_text(encoding="utf-8"))
 
 
-def test_a_page_with_all_that_it_can_hold_prints_on_one_sheet(changed, monkeypatch):
+@pytest.mark.parametrize("more", [("--treatments", "2", "--drift", "0.1"), ("--episode-s", "8")])
+def test_a_page_with_all_that_it_can_hold_prints_on_one_sheet(changed, monkeypatch, more):
     folder, _ = changed
     executable()
-    arguments = [*IMAGED, "--treatments", "2", "--drift", "0.1", "--show-truth"]
+    arguments = [*IMAGED, *more, "--show-truth"]
     monkeypatch.setattr(sys, "argv", ["eval", "patient", *arguments])  # which the page prints
     assert run(folder, *arguments) == 0
     page = new_page()

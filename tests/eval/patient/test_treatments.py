@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from eval.kept.entries import Settings, load_entries
-from eval.patient.treatments import first_treatment, next_treatment
+from eval.patient.courses import load, persons, play_courses, save
+from eval.patient.treatments import Course, first_treatment, next_treatment
 from jawenv.metrics import nees_band
 from jawenv.playing.rollout import play
+from jawenv.recordings.untold.learnt import identified_with_errors
 
 PATIENTS, TREATMENTS, FIRST_SEED = 16, 5, 5100
+OFFSET = {"cell_bias_N": 0.3, "cell_bias_N_m": 0.006}
 
 
 def entry_of(cohort="trismus", episode_s=8.0, maneuver="opening_with_swings_and_fore_aft"):
@@ -62,6 +65,26 @@ def test_the_first_treatment_is_what_play_plays():
         np.testing.assert_array_equal(treatment.truth, recording.truth[i])
         np.testing.assert_allclose(treatment.mean, recording.belief_mean[i], rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(treatment.cov, recording.belief_cov[i], rtol=1e-6, atol=1e-12)
+
+
+def test_the_only_treatment_ends_with_what_a_recording_of_it_teaches_and_keeps_it(tmp_path):
+    """An offset that nobody told: the belief is that of ``identify``, in a course of one treatment alone."""
+    settings = Settings.of(1, FIRST_SEED, cohort="trismus", control="targets", episode_s=12.0, reality=OFFSET)
+    (entry,) = load_entries(["refined"], settings.world)
+    plain, found = (first_treatment(entry, FIRST_SEED, untold=untold) for untold in (False, True))
+    record = entry.play(1, FIRST_SEED, record=True, track_bound=False).records[0]
+    told, last = identified_with_errors(record)
+    np.testing.assert_allclose(found.mean[-1], told.estimate.mean[-1], atol=0.02)
+    np.testing.assert_allclose(found.cov[-1], told.estimate.cov[-1], rtol=0.1, atol=1e-5)
+    np.testing.assert_array_equal(found.cov[:-1], plain.cov[:-1])
+    assert plain.shown is None and found.nees < 0.2 * plain.nees and last is not None
+    kept = save(found, tmp_path / "one.npz") or load(tmp_path / "one.npz")
+    np.testing.assert_array_equal(kept.shown.force, found.shown.force)
+    assert kept.shown.temperature == found.shown.temperature
+    save(plain, tmp_path / "other.npz")
+    assert load(tmp_path / "other.npz").shown is None
+    part = play_courses(entry, Course(2), persons(FIRST_SEED, 1), tmp_path)
+    assert [each.shown for each in part[0]] == [None, None]
 
 
 def test_the_noise_of_every_treatment_is_its_own_and_repeatable():

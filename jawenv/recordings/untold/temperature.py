@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.recordings.untold_blocks import BLOCK_S, Blocks
-from jawenv.recordings.untold_law import bends, tensions
+from jawenv.recordings.untold.blocks import BLOCK_S, Blocks
+from jawenv.recordings.untold.law import bends, tensions
 
 Array = NDArray[np.float64]
 
-TENTHS = 10
-CHANCE = 3.0
+_TENTHS = 10
+_CHANCE = 3.0
 """Sds of chi-squared by which it may exceed its degrees of freedom."""
-TELLING = 0.05
+_TELLING = 0.05
 """Share of a direction's variance that a left-out group must tell to be judged by it."""
 
 
@@ -64,7 +64,7 @@ def disagreement(blocks: Blocks, joint: _Joint, groups: NDArray[np.intp], temper
         wider = root @ (solved[:, :parameters] - cov[:parameters, :parameters]) @ root.T
         sizes, axes = np.linalg.eigh(0.5 * (wider + wider.T))
         away = axes.T @ root @ solved[:, parameters]
-        telling = sizes > TELLING
+        telling = sizes > _TELLING
         squares[k], degrees[k] = np.sum(away[telling] ** 2 / sizes[telling]), telling.sum()
     return squares, degrees
 
@@ -76,7 +76,7 @@ def _groups_of_time(blocks: Blocks, number: int) -> NDArray[np.intp]:
     return groups
 
 
-def groups_of_poses(blocks: Blocks, number: int = TENTHS) -> NDArray[np.intp]:
+def groups_of_poses(blocks: Blocks, number: int = _TENTHS) -> NDArray[np.intp]:
     """(B,) group of each block, of so many poses that lie together: means of Lloyd's kind."""
     places = blocks.poses * np.array([1.0, 1.0, 0.08, 0.08, 0.08])  # angles over the mouthpiece's arm
     number = min(number, len(places))
@@ -95,11 +95,11 @@ def excess(blocks: Blocks, joint: _Joint, temperature: float) -> float:
     Groups are tenths of the time and of the poses, stretches of ten seconds, halves: what creeps lasts for long.
     """
     count = len(blocks.score)
-    stretches = {min(TENTHS, count), max(2, round(count * BLOCK_S / 10.0)), 2}
+    stretches = {min(_TENTHS, count), max(2, round(count * BLOCK_S / 10.0)), 2}
     ways = [_groups_of_time(blocks, number) for number in sorted(stretches)] + [groups_of_poses(blocks)]
     worst = 0.0
     for groups in ways:
         squares, degrees = disagreement(blocks, joint, groups, temperature)
         freedom = max(degrees.sum(), 1.0)
-        worst = max(worst, float(squares.sum() / freedom - CHANCE * np.sqrt(2.0 / freedom)))
+        worst = max(worst, float(squares.sum() / freedom - _CHANCE * np.sqrt(2.0 / freedom)))
     return worst

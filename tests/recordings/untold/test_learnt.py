@@ -11,13 +11,12 @@ from jawenv.base.errors import InputError
 from jawenv.filter.model.basis import build_basis, set_coefficients, set_derivatives
 from jawenv.mechanics import build_jaw
 from jawenv.metrics.calibration import nees
-from jawenv.recordings import untold_bank as bank
-from jawenv.recordings import untold_blocks
-from jawenv.recordings import untold_law as law
 from jawenv.recordings.identification import identified
-from jawenv.recordings.untold_blocks import N_OF_WRENCH, Blocks, blocks_of
-from jawenv.recordings.untold_errors import learnt, learnt_beliefs
-from jawenv.recordings.untold_temperature import excess, joint_of
+from jawenv.recordings.untold import bank, law
+from jawenv.recordings.untold import blocks as parts
+from jawenv.recordings.untold.blocks import N_OF_WRENCH, Blocks, blocks_of
+from jawenv.recordings.untold.learnt import identified_with_errors, learnt, learnt_beliefs
+from jawenv.recordings.untold.temperature import excess, joint_of
 from research.untold import Sines
 
 PATIENTS = 4
@@ -36,6 +35,10 @@ def of_cell():
 
 def last(recording):
     return recording.belief_mean[:, -1], recording.belief_cov[:, -1]
+
+
+def first(recording):
+    return tuple(part[0] for part in last(recording))
 
 
 @pytest.fixture
@@ -115,6 +118,36 @@ def test_a_size_that_is_there_is_found_and_one_that_is_not_is_zero(blocks):
     np.testing.assert_array_equal(bank.mixture(without, 1.0).sizes, [1.0, 0.0, 0.0, 0.0])
 
 
+def test_two_muscles_that_explain_each_others_readings_are_rivals_and_their_valley_is_bent(blocks):
+    """The sum of two tensions is told, and is so large that the prior wants one muscle to pull it all."""
+    one, _ = blocks
+    wide, row = replace(one, prior_sd=np.tile([1.0, 0.05], 6)), np.zeros((6, 5))
+    row[:2] = np.exp(-one.basis["nodes"][:2] * one.basis["centre"][:2, None])
+    row = row.ravel()
+    usual = row @ one.nominal.ravel()
+    precise = 1e4 / usual**2
+    information, score = precise * np.outer(row, row), precise * row * 30.0 * usual
+    start = PRIOR.mean + np.array([4.0, *np.zeros(11)])
+    modes, covs, _ = bank._most_probable(wide, information[None], score[None], start[None], bank._LONG)
+    found = bank.Mixture(modes[0], covs[0], np.ones(1), modes[0], np.zeros(4), np.zeros((1, 4)), information, score)
+    rival = found.rival(wide, modes[0], covs[0])
+    np.testing.assert_allclose(rival[2:4] - rival[:2], modes[0][:2] - modes[0][2:4], atol=0.2)
+    assert rival[2] - modes[0][2] > 2.0 and found.bend(wide) > 2.0
+    plain = bank.mixture(one, 1.0)
+    assert plain.rival(one, plain.mean, plain.cov) is None and plain.bend(one) < 1.5
+
+
+def test_the_filters_belief_stays_where_no_normal_describes_what_the_readings_allow(monkeypatch):
+    off = of_cell()
+    mean, cov = first(off)
+    monkeypatch.setattr(bank.Mixture, "bend", lambda found, blocks: 20.0)
+    monkeypatch.setattr(bank.Mixture, "rival", lambda found, blocks, mean, cov: mean + 1.0)
+    found, last_belief = identified_with_errors(off.records[0])
+    np.testing.assert_allclose(last_belief.mean, mean, atol=0.02)
+    np.testing.assert_allclose(last_belief.cov, cov, rtol=0.05, atol=1e-6)
+    assert "explains the readings" in found.rival and not found.believable
+
+
 def test_parts_that_agree_have_no_excess_and_parts_that_do_not_have_one(blocks, rng):
     one, _ = blocks
     assert excess(one, joint(one), 1.0) < 1.0
@@ -133,7 +166,7 @@ def test_an_offset_of_the_load_cell_is_learnt_and_nothing_where_there_is_none():
 
 
 def test_what_no_muscle_pulls_is_about_nothing_where_nothing_does_and_of_the_cell_where_it_is_off():
-    honest, off = (learnt(each.records[0], last(each)[0][0]).shown for each in (played(), of_cell()))
+    honest, off = (learnt(each.records[0], *first(each)).shown for each in (played(), of_cell()))
     assert np.all(np.abs(honest.force) < 4.0 * honest.force_sd + 0.02) and np.abs(honest.force).max() < 0.2
     assert np.all(np.diff(honest.opening) > 0.0) and len(honest.pose_opening) == len(honest.disagreement) > 5
     assert np.median(honest.disagreement) < 2.0
@@ -142,19 +175,19 @@ def test_what_no_muscle_pulls_is_about_nothing_where_nothing_does_and_of_the_cel
 
 def test_a_short_record_and_one_of_two_condyles_teach_no_size():
     record = played().records[0]
-    assert learnt(record.until(3.0), record.prior.mean) is None
+    assert learnt(record.until(3.0), record.prior.mean, np.eye(12)) is None
     kwargs = {"record": True, "episode_s": 1.0, "model": "bilateral"}
     (two,) = jawenv.play(jawenv.Player("slow_opening"), patients=1, seed=0, env_kwargs=kwargs).records
-    assert learnt(two, two.prior.mean) is None
+    assert learnt(two, two.prior.mean, np.eye(12)) is None
 
 
 def test_a_jaw_that_is_held_still_teaches_no_size():
     kwargs = {"record": True, "episode_s": 8.0, "control": "targets"}
     still = jawenv.play(jawenv.Player("hold_still"), patients=1, seed=5, env_kwargs=kwargs)
-    found = learnt(still.records[0], last(still)[0][0])
+    found = learnt(still.records[0], *first(still))
     np.testing.assert_allclose(found.mean, PRIOR.mean, atol=0.3)
     np.testing.assert_allclose(np.sqrt(np.diagonal(found.cov)), PRIOR.sd, rtol=0.1)
-    assert found.temperature == 1.0 and np.isfinite(found.shown.force).all()
+    assert found.shown.temperature == 1.0 and np.isfinite(found.shown.force).all()
 
 
 def test_blocks_begin_within_the_prior_wherever_the_filter_is():
@@ -166,9 +199,8 @@ def test_blocks_begin_within_the_prior_wherever_the_filter_is():
 
 def test_identification_and_score_have_it_where_asked_for():
     off = of_cell()
-    plain, found = identified(off.records[0]), identified(off.records[0], untold=True)
-    assert plain.learnt is None and found.learnt is not None
-    np.testing.assert_array_equal(found.estimate.mean[-1], found.learnt.mean)
+    plain, (found, last_belief) = identified(off.records[0]), identified_with_errors(off.records[0])
+    np.testing.assert_array_equal(found.estimate.mean[-1], last_belief.mean)
     np.testing.assert_array_equal(found.estimate.cov[:-1], plain.estimate.cov[:-1])
     assert jawenv.score(off, untold=True).nees.mean() < 0.2 * jawenv.score(off).nees.mean()
     with pytest.raises(InputError, match="records is None") as error:
@@ -180,7 +212,7 @@ def test_a_long_recording_has_no_more_blocks_than_memory_takes(monkeypatch):
     """The same information in longer blocks."""
     record, mean = played().records[0], played().belief_mean[0, -1]
     whole = blocks_of(record, mean)
-    monkeypatch.setattr(untold_blocks, "MOST_BLOCKS", 10)
+    monkeypatch.setattr(parts, "MOST_BLOCKS", 10)
     longer = blocks_of(record, mean)
     assert (len(whole.score), len(longer.score)) == (40, 10)
     for name in ("information", "score"):

@@ -8,25 +8,32 @@ that the filter was told of: a fixed sd of 0.1 N would double the error bars of 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.recordings.untold_blocks import Blocks
-from jawenv.recordings.untold_law import bends, tensions
+from jawenv.recordings.untold.blocks import Blocks
+from jawenv.recordings.untold.law import bends, tensions
 
 Array = NDArray[np.float64]
 
-SCANS = (0.0, 1.0)
-CONSTANTS = (0.0, 0.03, 0.1, 0.3)
-SHAPES = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0)
+_SCANS = (0.0, 1.0)
+_CONSTANTS = (0.0, 0.03, 0.1, 0.3)
+_SHAPES = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0)
 LAWS = (0.0, 0.03, 0.1, 0.3)
-LEVELS = SCANS, CONSTANTS, SHAPES, LAWS
+LEVELS = _SCANS, _CONSTANTS, _SHAPES, LAWS
 SIZES = np.array(list(product(*LEVELS)))
 """(192, 4) share of a scan's sds; sds of a wrench's constants, N, and other shapes, N; of bends, share of a tension."""
-TOLD = 0.9
-STEPS, HALVINGS, ENOUGH = 12, 6, 1e-4
+_TOLD = 0.9
+_EFFORT, _LONG = (12, 6), (80, 14)
+"""Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
+_ENOUGH = 1e-4
+NEAR, FAR = 5.0, 10.0
+"""How far below the most probable explanation another one is to be named, nats; how far from a belief, in sds squared
+over the number of parameters.
+"""
+_DRAWS = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +46,49 @@ class Mixture:
     best: Array  # (p,) the mean under the most probable sizes
     sizes: Array  # (4,) these
     every: Array  # (N, 4) all sizes
+    information: Array  # (c, c) about the tensions under the most probable sizes
+    score: Array  # (c,) the same
+
+    def bend(self, blocks: Blocks) -> float:
+        """Fall of the probability at draws of the normal, over the normal's own; in the median, 1 where it is normal.
+
+        Where single muscles are hardly told apart, what the readings allow is a bent valley and no ellipsoid.
+        """
+        draws = np.random.default_rng(0).standard_normal((_DRAWS, len(self.best)))
+        by_log = tensions(blocks.basis, self.best[None])[1][0]
+        precision = by_log.T @ self.information @ by_log + np.diag(1.0 / blocks.prior_sd**2)
+        away = np.linalg.solve(np.linalg.cholesky(precision).T, draws.T).T
+        height, top = (self._height(blocks, theta) for theta in (self.best + away, self.best[None]))
+        return float(np.median((top - height) / (0.5 * np.sum(draws**2, axis=1))))
+
+    def rival(self, blocks: Blocks, mean: Array, cov: Array) -> Array | None:
+        """The most probable parameters (p,) that the readings allow and a belief excludes; None where there are none.
+
+        Looked for from each exchange of two muscles.
+        """
+        muscles = len(self.best) // 2
+        starts = np.tile(self.best, (1 + muscles * (muscles - 1) // 2, 1))
+        for start, (one, other) in zip(starts[1:], combinations(range(muscles), 2), strict=True):
+            start.reshape(-1, 2)[[one, other]] = start.reshape(-1, 2)[[other, one]]
+        information, score = (np.repeat(part[None], len(starts), axis=0) for part in (self.information, self.score))
+        modes, _, heights = _most_probable(blocks, information, score, starts, _LONG)
+        away = modes - mean
+        far = np.einsum("ni,ij,nj->n", away, np.linalg.inv(cov), away) / len(mean)
+        allowed = (far > FAR) & (heights > heights.max() - NEAR)
+        return modes[np.where(allowed, heights, -np.inf).argmax()] if allowed.any() else None
+
+    def _height(self, blocks: Blocks, theta: Array) -> Array:
+        moved, away = tensions(blocks.basis, theta)[0] - blocks.nominal.ravel(), (theta - blocks.prior_mean)
+        pulled = self.score - 0.5 * moved @ self.information
+        reached: Array = np.sum(pulled * moved, axis=1) - 0.5 * np.sum((away / blocks.prior_sd) ** 2, axis=1)
+        return reached
 
 
 def mixture(blocks: Blocks, temperature: float) -> Mixture:
     """The belief about the muscles, whatever the sizes are."""
     sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.told_scan else SIZES
     information, score, evidence = _about_tensions(blocks, temperature, sizes)
-    means, covs, heights = _most_probable(blocks, information, score)
+    means, covs, heights = _most_probable(blocks, information, score, np.tile(blocks.point, (len(score), 1)))
     weights = evidence + heights + _beforehand(sizes)
     weights = np.where(np.isfinite(weights), weights, -np.inf)
     weights = np.exp(weights - weights.max())
@@ -55,14 +98,15 @@ def mixture(blocks: Blocks, temperature: float) -> Mixture:
     away = means[used] - mean
     cov = np.einsum("n,nij->ij", weights[used], covs[used] + away[:, :, None] * away[:, None, :])
     first = int(weights.argmax())
-    return Mixture(mean, 0.5 * (cov + cov.T), weights, means[first], sizes[first], sizes)
+    best = means[first], sizes[first], sizes, information[first], score[first]
+    return Mixture(mean, 0.5 * (cov + cov.T), weights, *best)
 
 
 def _beforehand(sizes: Array) -> Array:
     """(N,) logarithms of the weights before anything is read; a wrench that the filter was told of is learnt too."""
     weights = np.zeros(len(sizes))
     for j, levels in enumerate(LEVELS):
-        weights += np.where(sizes[:, j] == 0.0, np.log(TOLD), np.log((1.0 - TOLD) / (len(levels) - 1)))
+        weights += np.where(sizes[:, j] == 0.0, np.log(_TOLD), np.log((1.0 - _TOLD) / (len(levels) - 1)))
     return weights
 
 
@@ -99,8 +143,18 @@ def _without(inner: Array, shared: Array, left: Array, right: Array) -> tuple[Ar
     return 0.5 * (information + np.swapaxes(information, 1, 2)), score, evidence
 
 
-def _most_probable(blocks: Blocks, information: Array, score: Array) -> tuple[Array, Array, Array]:
-    """Means (N, p) and covariances (N, p, p) of the parameters by Newton's method, and the logarithm of the weight."""
+def _most_probable(
+    blocks: Blocks, information: Array, score: Array, theta: Array, effort: tuple[int, int] = _EFFORT
+) -> tuple[Array, Array, Array]:
+    """Means (N, p) and covariances (N, p, p) of the parameters by Newton's method, and the logarithm of the weight.
+
+    Args:
+        blocks: of the recording.
+        information: (N, c, c) about the tensions.
+        score: (N, c) the same.
+        theta: (N, p) where it begins.
+        effort: steps, and halvings of each.
+    """
     nominal, prior = blocks.nominal.ravel(), np.diag(1.0 / blocks.prior_sd**2)
 
     def height(theta: Array) -> Array:
@@ -110,9 +164,8 @@ def _most_probable(blocks: Blocks, information: Array, score: Array) -> tuple[Ar
             reached: Array = np.sum(pulled * moved, axis=1) - 0.5 * np.sum(away @ prior * away, axis=1)
             return reached
 
-    theta = np.tile(blocks.point, (len(score), 1))
     now = height(theta)
-    for _ in range(STEPS):
+    for _ in range(effort[0]):
         moved, by_log = tensions(blocks.basis, theta)
         pulled = score - np.einsum("nij,nj->ni", information, moved - nominal)
         gradient = np.einsum("ncp,nc->np", by_log, pulled) - (theta - blocks.prior_mean) @ prior
@@ -120,7 +173,7 @@ def _most_probable(blocks: Blocks, information: Array, score: Array) -> tuple[Ar
         step = np.linalg.solve(precision, gradient[:, :, None])[:, :, 0]
         step /= np.maximum(np.abs(step).max(axis=1), 1.0)[:, None]
         share = np.ones(len(theta))
-        for _ in range(HALVINGS):
+        for _ in range(effort[1]):
             then = height(theta + share[:, None] * step)
             worse = ~(then >= now - 1e-9)
             if not worse.any():
@@ -128,7 +181,7 @@ def _most_probable(blocks: Blocks, information: Array, score: Array) -> tuple[Ar
             share[worse] *= 0.5
         share[worse], then = 0.0, np.where(worse, now, then)
         theta, gained, now = theta + share[:, None] * step, then - now, then
-        if gained.max() < ENOUGH:
+        if gained.max() < _ENOUGH:
             break
     by_log = tensions(blocks.basis, theta)[1]
     precision = np.swapaxes(by_log, 1, 2) @ information @ by_log + prior

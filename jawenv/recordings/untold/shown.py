@@ -8,19 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.nuisances.unknowns import WRENCH_UNITS
-from jawenv.recordings.untold_bank import Mixture
-from jawenv.recordings.untold_blocks import N_OF_WRENCH, Blocks
-from jawenv.recordings.untold_temperature import disagreement, groups_of_poses, joint_of
+from jawenv.recordings.untold.bank import Mixture
+from jawenv.recordings.untold.blocks import N_OF_WRENCH, Blocks
+from jawenv.recordings.untold.temperature import disagreement, groups_of_poses, joint_of
 
 Array = NDArray[np.float64]
 
-OPENINGS = 25  # at which the wrench is shown
+_OPENINGS = 25  # at which the wrench is shown
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """Force that no muscle pulls along the opening, and disagreement of each left-out pose."""
+    """Force that no muscle pulls along the opening, and how much a recording's parts disagree."""
 
+    temperature: float  # what the information was divided by
     opening: Array  # (K,) rad
     force: Array  # (K, 3) N in body axes: forwards, to the left, up
     force_sd: Array  # (K, 3)
@@ -37,12 +38,12 @@ def shown(blocks: Blocks, found: Mixture, temperature: float) -> Shown:
     rows = joint.directions[-N_OF_WRENCH:]
     cov = rows @ np.linalg.inv(told + np.eye(len(told))) @ rows.T
     pitch, x = blocks.poses[:, 2], blocks.poses[:, 0]
-    opening = np.linspace(pitch.min(), pitch.max(), OPENINGS)
+    opening = np.linspace(pitch.min(), pitch.max(), _OPENINGS)
     by_opening = (pitch - pitch.mean()) @ x / max(np.sum(np.square(pitch - pitch.mean())), 1e-12)
     slide = x.mean() + by_opening * (opening - pitch.mean())
-    wide, zero = opening / 0.2, np.zeros(OPENINGS)
+    wide, zero = opening / 0.2, np.zeros(_OPENINGS)
     shapes = np.stack([zero + 1.0, wide, wide**2, slide / 5e-3, zero, zero], axis=1)  # as ``filter.nuisances.turned``
-    force, sd = np.empty((OPENINGS, 3)), np.empty((OPENINGS, 3))
+    force, sd = np.empty((_OPENINGS, 3)), np.empty((_OPENINGS, 3))
     for k in range(3):
         chosen = np.arange(k, N_OF_WRENCH, len(WRENCH_UNITS))
         force[:, k] = shapes @ joint.values[-N_OF_WRENCH:][chosen]
@@ -51,4 +52,4 @@ def shown(blocks: Blocks, found: Mixture, temperature: float) -> Shown:
     squares, degrees = disagreement(blocks, joint_of(blocks, found.best, found.sizes, 1.0), groups, 1.0)
     telling = degrees > 0
     means = np.bincount(groups, weights=blocks.poses[:, 2]) / np.bincount(groups)
-    return Shown(opening, force, sd, means[telling], squares[telling] / degrees[telling])
+    return Shown(temperature, opening, force, sd, means[telling], squares[telling] / degrees[telling])

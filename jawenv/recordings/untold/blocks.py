@@ -33,8 +33,8 @@ Array = NDArray[np.float64]
 
 BLOCK_S = 0.5
 MOST_BLOCKS = 600  # of a recording: those of an hour would fill the memory, so they are longer
-WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
-MOST_PASSES, CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
+_WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
+_MOST_PASSES, _CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
 N_CONSTANT = len(WRENCH_UNITS)
 N_OF_WRENCH = N_SHAPES * N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
@@ -72,7 +72,7 @@ class Blocks:
         return values
 
     def sds(self, sizes: Array) -> Array:
-        """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``untold_bank.SIZES``."""
+        """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``bank.SIZES``."""
         others = self.score.shape[1] - self.tensions - 1 - N_OF_WRENCH
         scan, constant, shapes, _ = (sizes[:, j, None] for j in range(4))
         gain = np.full((len(sizes), 1), self.gain_sd)
@@ -96,10 +96,10 @@ def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blo
     if unknowns is not None:
         return _blocks_at(record, settings, mean, unknowns)
     unknowns = np.zeros(1 + len(settings["nuisances"]["mass"]))
-    for _ in range(MOST_PASSES):
+    for _ in range(_MOST_PASSES):
         blocks = _blocks_at(record, settings, mean, unknowns)
         before, unknowns = unknowns, blocks.unknowns()
-        if not told or np.abs(unknowns - before).max() < CLOSE:
+        if not told or np.abs(unknowns - before).max() < _CLOSE:
             break
     return blocks
 
@@ -175,7 +175,7 @@ def _pass_through(
     belief.point[:] = mean
     belief.cov[:, :] = 0.0
     for i in range(mean.shape[0]):
-        belief.cov[i, i] = WIDTH * WIDTH
+        belief.cov[i, i] = _WIDTH * _WIDTH
     refocus(belief, scratch.belief)
     for j in range(belief.nuisances.shape[0]):
         belief.nuisances[j] = steps[first + j]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.recordings.untold_blocks import Blocks
+from jawenv.recordings.untold.blocks import Blocks
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""Sizes of errors that nobody told, learnt at the end of a recording."""
