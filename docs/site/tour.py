@@ -31,7 +31,7 @@ COHORT, SEED, SHOWN_S = "one_sided", 500, 30.0
 DRIVERS = {
     "slow_opening": "Slow opening, by hand",
     "opening_with_swings_and_fore_aft": "Opening with swings and a push, by hand",
-    "apg_one_sided": "Learned, adapts",
+    "apg_anyone": "Learned, adapts",
 }
 """Name of each of the three, from left to right -> its title."""
 EVERY = 2  # of the control steps one is shown

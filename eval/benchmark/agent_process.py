@@ -22,6 +22,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from agents import registry
+from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError, shown
 from jawenv.base.named_objects import is_named
 from jawenv.controls import CONTROLS
@@ -90,6 +91,10 @@ class AgentProcess:
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """See `Agent.reset`."""
         self._ask({"reset": [num_envs, seed]})
+
+    def take_prior(self, prior: Prior) -> None:
+        """Tell the agent the prior, which an entrant may know."""
+        self._ask({"prior": [prior.mean.tolist(), prior.sd.tolist()]})
 
     def predict(
         self,
@@ -217,6 +222,10 @@ class _Answers:
         if "reset" in question:
             self._state = None
             self._agent.reset(*question["reset"])
+            return {}
+        if "prior" in question:
+            if hasattr(self._agent, "take_prior"):
+                self._agent.take_prior(Prior(*map(np.array, question["prior"])))
             return {}
         observation = np.array(question["observation"], dtype=np.float32)
         starts = None if question["starts"] is None else np.array(question["starts"], dtype=bool)

@@ -27,13 +27,9 @@ BASELINES = (
     "refined_one_sided",
     "apg_asked",
     "ppo_trismus",
-    "ppo_one_sided",
     "ppo_force",
-    "ppo_imaged",
-    "apg_trismus",
-    "apg_one_sided",
     "apg_imaged",
-    "apg_patchy",
+    "apg_anyone",
 )
 
 

@@ -11,7 +11,7 @@ from eval.commands import options
 from jawenv.base.errors import InputError
 from jawenv.base.seeds import REPORTS
 from jawenv.envs.configuration import Configuration
-from jawenv.playing.agents import Agent
+from jawenv.playing.agents import Agent, Planning
 
 
 @options.takes_world()
@@ -40,14 +40,13 @@ def live_command(
 
 def _agents(entries: list[str], world: Configuration, trust: bool) -> dict[str, Agent]:
     """Agents by their labels."""
-    from agents.planning import Planner
     from eval.kept.entries import load_entries
 
     agents: dict[str, Agent] = {}
     for entry in load_entries(entries, world, trust=trust):
         if not entry.world.mode.takes_targets:
             raise InputError(f"{entry.label}: control {entry.world.control}; allowed: targets")
-        if isinstance(entry.agent, Planner):
+        if isinstance(entry.agent, Planning):
             raise InputError(f"{entry.label}: plans longer than a step of the live page lasts; allowed: other agents")
         agents[entry.label] = entry.agent
     return agents

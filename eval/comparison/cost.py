@@ -13,7 +13,7 @@ from agents.planning import Planner
 from eval.kept.entries import Entry, Settings, load_entry
 from jawenv.base.errors import InputError
 from jawenv.base.named_objects import is_named
-from jawenv.playing.agents import own_seed
+from jawenv.playing.agents import introduce, own_seed
 from jawenv.playing.policies.card import card_of
 
 DECISIONS = 200
@@ -54,8 +54,7 @@ def _decision_ms(entry: Entry, seed: int) -> float:
     observation, _ = env.reset(seed=seed)
     if hasattr(agent, "reset"):
         agent.reset(1, own_seed())
-    if hasattr(agent, "attach"):
-        agent.attach(env)
+    introduce(agent, env)
     _, state = agent.predict(observation, state=None, episode_start=[True], deterministic=True)
     if isinstance(agent, Planner):
         return agent.ms_per_decision

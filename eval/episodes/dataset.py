@@ -25,7 +25,7 @@ from jawenv.base.extras import needs
 from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
 from jawenv.ladder import model_of_env
-from jawenv.playing.agents import checked_decision, own_seed
+from jawenv.playing.agents import checked_decision, introduce, own_seed
 
 REFERENCES = ("random", "hold_still", "slow_opening", "opening_with_swings_and_fore_aft", "refined")
 FORMATS = ("arrow", "hdf5")
@@ -151,6 +151,7 @@ def _play(entry: Entry, env: Any, seed: int, place: int) -> None:
     """One episode, from ``reset(seed=seed)``; the agent draws by its place in the data set."""
     observation, _ = env.reset(seed=seed)
     entry.agent.reset(1, own_seed(place))
+    introduce(entry.agent, env)
     state, start, ended = None, np.ones(1, dtype=np.bool_), False
     while not ended:
         action, state = checked_decision(entry.agent.predict(observation[None], state, start), entry.agent)

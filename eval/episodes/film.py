@@ -21,7 +21,7 @@ from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
 from jawenv.envs.shown_world import build_scene
 from jawenv.ladder import model_of_env
-from jawenv.playing.agents import checked_decision, own_seed
+from jawenv.playing.agents import checked_decision, introduce, own_seed
 from jawenv.rendering.film import PairRenderer
 
 if TYPE_CHECKING:
@@ -88,6 +88,7 @@ class Episode:
             options = None if film.patient is None else {"patient": film.patient}
             observation, info = env.reset(seed=film.seed, options=options)
             agent.reset(1, own_seed())
+            introduce(agent, env)
             state, start, ended, step = None, np.ones(1, dtype=bool), False, 0
             with Progress(env.configuration.steps, "steps", self._console) as progress:
                 while not ended:

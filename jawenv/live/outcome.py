@@ -19,7 +19,7 @@ from jawenv.playing.policies.plain import load_plain
 from jawenv.playing.rollout import play
 
 RIVALS = ("refined", "slow_opening")
-LEARNED = ("apg_one_sided", "ppo_trismus")
+LEARNED = ("apg_anyone", "ppo_trismus")
 """Policies of targets control that come with jawenv and play against the hand."""
 KNOWN = (0.10, 0.05)
 """Standard deviations of natural logs below which a parameter counts as known."""

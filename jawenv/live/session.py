@@ -21,7 +21,7 @@ from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
-from jawenv.playing.agents import Agent, Array
+from jawenv.playing.agents import Agent, Array, introduce
 from jawenv.playing.maneuvers import Maneuver, maneuver_names
 from jawenv.recordings.files import save_record
 from jawenv.recordings.of_simulation import record_of
@@ -109,6 +109,7 @@ class DriveSession:
     def _deciding(self, name: str) -> Deciding:
         if not takes_targets(self.setup.world.control):
             raise InputError(f"control is {self.setup.world.control}; allowed where {name} drives: targets")
+        introduce(self.agents[name], self._env)
         deciding = Deciding(name, self.agents[name], self.setup.world.steps_per_s)
         deciding.try_out(self._observation)
         return deciding

@@ -108,6 +108,20 @@ class Planning(Protocol):
         ...
 
 
+def introduce(agent: Any, env: Any) -> None:
+    """Tell an agent of worlds after their ``reset`` what it asks for: the prior, or all that a planner needs.
+
+    Args:
+        agent: with a method ``take_prior(prior)``, with that of ``Planning``, or with neither.
+        env: an environment of jawenv, of one form or the other.
+    """
+    simulation = getattr(env.unwrapped, "simulation", None)
+    if hasattr(agent, "take_prior") and simulation is not None:
+        agent.take_prior(simulation.cohort.prior)
+    if hasattr(agent, "attach"):
+        agent.attach(env)
+
+
 class BatchAgent:
     """An agent that answers the observations of N worlds, and a single one as those of one world."""
 

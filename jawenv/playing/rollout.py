@@ -19,7 +19,7 @@ from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import whole_number
 from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
-from jawenv.playing.agents import Action, checked_decision, own_seed
+from jawenv.playing.agents import Action, checked_decision, introduce, own_seed
 from jawenv.playing.recording import Array, Mask, Recording
 
 if TYPE_CHECKING:
@@ -101,8 +101,7 @@ def play(
         observation, info = env.reset(seed=seeds, options=options)
         if hasattr(agent, "reset"):
             agent.reset(number, own_seed(agent_seed))
-        if hasattr(agent, "attach"):
-            agent.attach(env)
+        introduce(agent, env)
         recording = _watch(agent, env, observation, info, progress, on_step or _ignore)
         if not env.unwrapped.configuration.record:
             return recording

@@ -72,7 +72,7 @@ def test_list_of_agents_says_where_the_rest_is(capsys):
     assert any(line.startswith("apg_asked") and "one muscle asked" in line for line in lines)
 
 
-@pytest.mark.parametrize(("name", "id"), [("ppo_force", "Jaw-v3"), ("ppo_imaged", "JawImaged-v3"), ("zero", "Jaw-v3")])
+@pytest.mark.parametrize(("name", "id"), [("ppo_force", "Jaw-v3"), ("apg_imaged", "JawImaged-v3"), ("zero", "Jaw-v3")])
 def test_a_policy_is_scored_in_the_world_of_its_training(name, id, capsys):
     assert main(["score", name, "--patients", "2", "--episode-s", "1"]) == 0
     out = capsys.readouterr().out
@@ -177,7 +177,7 @@ def interrupt(page):
         (["live", "nowhere.csv"], "nowhere.csv"),
         (["live", "--seed", "-1"], "seed is -1; allowed"),
         (["live", "--port", "70000"], "port is 70000; allowed"),
-        (["live", "--port", "0", "--driver", "nope"], "driver is 'nope'; allowed: you, apg_one_sided"),
+        (["live", "--port", "0", "--driver", "nope"], "driver is 'nope'; allowed: you, apg_anyone"),
         (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
         (["score", "refined", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
         (["score", "refined", "--force-sensor", "spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),

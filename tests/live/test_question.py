@@ -74,7 +74,7 @@ def test_learned_agents_are_rivals_where_they_can_play():
 
 def test_the_easy_level_hides_its_bars_at_first_and_asks_at_the_end(tmp_path):
     with serving(0) as server:
-        page = Page(server, Setup.of(seed=500, episode_s=1.0, cohort="one_sided"), tmp_path, driver="apg_one_sided")
+        page = Page(server, Setup.of(seed=500, episode_s=1.0, cohort="one_sided"), tmp_path, driver="apg_anyone")
         page.step()
         assert "hidden" in page._view._posterior.content and page._view._strip.content == ""
         assert page._question._folder is None

@@ -1,7 +1,5 @@
 """What a policy is shown: its own parts of an observation, and the belief beside its own prior."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -9,10 +7,6 @@ from jawenv.anatomy import cohort
 from jawenv.base.errors import InputError
 from jawenv.envs.observation import OBSERVATION_LAYOUT, observation_size
 from jawenv.playing.policies.inputs import OwnPrior, fitted
-
-
-def world_of(name):
-    return SimpleNamespace(unwrapped=SimpleNamespace(simulation=SimpleNamespace(cohort=cohort(name))))
 
 
 def observation_of(mean, sd, prior):
@@ -26,9 +20,9 @@ def test_one_belief_is_shown_alike_under_two_priors():
     own, other = cohort("anyone").prior, cohort("severe").prior
     mean, sd = other.mean + 0.3, 0.2 * other.sd
     shown = OwnPrior(own)
-    shown.attach(world_of("severe"))
+    shown.take(other)
     np.testing.assert_allclose(shown(observation_of(mean, sd, other)), observation_of(mean, sd, own), atol=1e-5)
-    shown.attach(world_of("anyone"))
+    shown.take(own)
     rows = observation_of(mean, sd, own)
     assert shown(rows) is rows
 

@@ -19,7 +19,7 @@ from jawenv.base.errors import InputError
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.ladder import DEFAULT_ENV, env_id_of
-from jawenv.playing.agents import Array
+from jawenv.playing.agents import Array, introduce
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import action_of, goals_of
 
@@ -125,8 +125,7 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int, agent: str | N
     player = None if agent is None else load_agent(agent, env_id=env_id)
     if player is not None:
         player.reset(patients)
-        if hasattr(player, "attach"):
-            player.attach(env)
+        introduce(player, env)
     discomfort, running = np.zeros((2, patients, len(COMFORT_LIMITS))), np.ones(patients, dtype=bool)
     for step in range(steps):
         if player is not None:

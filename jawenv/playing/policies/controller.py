@@ -15,6 +15,7 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from gymnasium.vector.utils import batch_space
 
+from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
 from jawenv.controls import Control
 from jawenv.playing.agents import Action, Agent, Mask, Memory, Observation, Remembering
@@ -79,10 +80,10 @@ class ControlledAgent(Remembering):
         super().reset(num_envs, seed)
         self.agent.reset(num_envs, seed)
 
-    def attach(self, env: VectorEnv[Observation, Action, Any]) -> None:
-        """Let the agent get to know the worlds that are to be played, if it wants to."""
-        if hasattr(self.agent, "attach"):
-            self.agent.attach(env)
+    def take_prior(self, prior: Prior) -> None:
+        """Tell the agent the prior of the worlds that are to be played, if it wants to know."""
+        if hasattr(self.agent, "take_prior"):
+            self.agent.take_prior(prior)
 
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool

@@ -45,9 +45,9 @@ class OwnPrior:
         self._prior = prior
         self._factor: Observation | None = None
 
-    def attach(self, env: Any) -> None:
+    def take(self, played: Prior) -> None:
         """Take the prior of the worlds that are to be played."""
-        own, played = self._prior, env.unwrapped.simulation.cohort.prior
+        own = self._prior
         self._factor = None
         if own.mean.shape != played.mean.shape or (_same(own.mean, played.mean) and _same(own.sd, played.sd)):
             return

@@ -6,14 +6,13 @@ import hashlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from gymnasium.vector import VectorEnv
 from safetensors import SafetensorError
 from safetensors.numpy import load
 from scipy.special import expit
 
+from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
 from jawenv.base.files import atomic_write
 from jawenv.base.reading import read_bytes
@@ -73,9 +72,9 @@ class PlainPolicy(BatchAgent):
         self._activation = ACTIVATIONS[card.architecture.activation]
         self._own_prior = OwnPrior(card.environment.world().build_cohort().prior)
 
-    def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
+    def take_prior(self, prior: Prior) -> None:
         """Get to know the prior of the worlds that are to be played."""
-        self._own_prior.attach(env)
+        self._own_prior.take(prior)
 
     def _seen(self, rows: Observation) -> Observation:
         return self._own_prior(fitted(rows, self.card.observation_size, self.name))

@@ -73,7 +73,7 @@ def test_the_twin_knows_what_the_filter_knows(cohort):
 
 @pytest.mark.parametrize("budget", [None, 1.0 / 30.0])
 def test_the_twins_discomfort_on_a_policys_own_path_is_the_environments(budget):
-    result = agreement({"cohort": "one_sided", "comfort_budget_s": budget}, 24, 5100, "apg_patchy")
+    result = agreement({"cohort": "one_sided", "comfort_budget_s": budget}, 24, 5100, "apg_anyone")
     felt, of_twin = result.discomfort_s.sum(-1)
     assert 0.6 < of_twin.mean() / felt.mean() < 2.0
     assert np.corrcoef(felt, of_twin)[0, 1] > 0.5
