@@ -23,16 +23,16 @@ from jawenv.device.comfort import SPEED
 from jawenv.device.device import TICK
 from jawenv.playing.agents import Array
 
-POSES = 192
+_POSES = 192
 """Drawn for each patient."""
-DECISIONS = 12
+_DECISIONS = 12
 """In which a jaw reaches a pose and comes to rest there."""
-TOGETHER = 600
+_TOGETHER = 600
 """Poses that are held at once."""
-UPDATES, LEARNING_RATE = 250, 0.1
-VISITED = 0.02
+_UPDATES, _LEARNING_RATE = 250, 0.1
+_VISITED = 0.02
 """Share of the readings from which on a pose counts as visited."""
-SWAY = 1e-2
+_SWAY = 1e-2
 """Speed at which a held jaw's readings repeat their errors least, over the limit of comfort."""
 
 
@@ -40,16 +40,16 @@ class StaticBound(NamedTuple):
     """The bound of N patients."""
 
     log_worst: Array  # (N,) of the largest sd
-    targets: Array  # (N, POSES, 4) of the poses
-    shares: Array  # (N, POSES) of the readings, 0 where a limit is crossed
+    targets: Array  # (N, _POSES, 4) of the poses
+    shares: Array  # (N, _POSES) of the readings, 0 where a limit is crossed
 
     def visited(self, patient: int) -> list[tuple[float, Array]]:
         """Shares and targets (4) of the poses that a patient's optimum visits, the largest share first."""
-        order = [int(i) for i in np.argsort(-self.shares[patient]) if self.shares[patient, i] > VISITED]
+        order = [int(i) for i in np.argsort(-self.shares[patient]) if self.shares[patient, i] > _VISITED]
         return [(float(self.shares[patient, i]), self.targets[patient, i]) for i in order]
 
 
-def static_bound(simulation: Any, seconds: float, poses: int = POSES, seed: int = 0) -> StaticBound:
+def static_bound(simulation: Any, seconds: float, poses: int = _POSES, seed: int = 0) -> StaticBound:
     """The bound for the patients of a simulation after its ``reset``.
 
     Args:
@@ -62,7 +62,7 @@ def static_bound(simulation: Any, seconds: float, poses: int = POSES, seed: int 
     number = len(patients)
     drawn = np.random.default_rng(seed).uniform(LOWEST, HIGHEST, (number, poses, N_CHANNELS))
     of_patient, targets = np.repeat(np.arange(number), poses), torch.tensor(drawn.reshape(-1, N_CHANNELS))
-    parts = np.array_split(np.arange(len(of_patient)), -(-len(of_patient) // TOGETHER))
+    parts = np.array_split(np.arange(len(of_patient)), -(-len(of_patient) // _TOGETHER))
     with torch.no_grad():
         found = [_information(twin, patients[of_patient[part]], targets[part]) for part in parts]
     information = torch.cat([told for told, _ in found])
@@ -77,11 +77,11 @@ def static_bound(simulation: Any, seconds: float, poses: int = POSES, seed: int 
 def _information(twin: Twin, patients: Patients, targets: Tensor) -> tuple[Tensor, Tensor]:
     """Information (P, n, n) of a reading in a held pose, and whether (P,) it is within all soft limits but speed's."""
     worlds = Worlds(twin, patients)
-    for _ in range(DECISIONS):
+    for _ in range(_DECISIONS):
         worlds.step(targets)
     held, one = worlds.held(), targets.new_ones(len(targets))
     moving = held._replace(speeds=torch.zeros_like(held.speeds))
-    moving.speeds[:, 0] = SWAY * twin.speed
+    moving.speeds[:, 0] = _SWAY * twin.speed
     belief = Belief(twin, patients)
     before = belief.precision
     belief.learn(moving, one)
@@ -94,12 +94,12 @@ def _information(twin: Twin, patients: Patients, targets: Tensor) -> tuple[Tenso
 def _shared_out(prior: Tensor, information: Tensor, allowed: Tensor, asked: Tensor) -> tuple[Tensor, Tensor]:
     """Log (N,) of the largest sd that is asked for, and shares (N, poses) of the readings."""
     x = torch.zeros(allowed.shape, dtype=torch.float64, requires_grad=True)
-    optimiser = torch.optim.Adam([x], LEARNING_RATE)
-    for update in range(UPDATES + 1):
+    optimiser = torch.optim.Adam([x], _LEARNING_RATE)
+    for update in range(_UPDATES + 1):
         shares = x.masked_fill(~allowed, -60.0).softmax(-1) * allowed
         whole = prior + torch.einsum("np,npij->nij", shares, information)
         variances = torch.linalg.inv(whole).diagonal(dim1=-2, dim2=-1)[:, : asked.shape[1]]
-        if update < UPDATES:
+        if update < _UPDATES:
             optimiser.zero_grad()
             ((asked * variances).pow(POWER / 2.0).sum(-1).log() / POWER).sum().backward()
             optimiser.step()

@@ -26,9 +26,9 @@ from jawenv.metrics import time_to
 from jawenv.playing.agents import Array
 from jawenv.playing.policies.named import agent_names
 
-SECONDS, BUDGET_S, SURE = 10.0, 1.0 / 30.0, 0.05
-BESIDE = "refined_one_sided"
-HEADINGS = (
+_SECONDS, _BUDGET_S, _SURE = 10.0, 1.0 / 30.0, 0.05
+_BESIDE = "refined_one_sided"
+_HEADINGS = (
     "entry",
     "log worst beside",
     "true error",
@@ -38,11 +38,11 @@ HEADINGS = (
     "nine in ten",
     "NEES/12",
 )
-OF_BOUND = 12
+_OF_BOUND = 12
 """Patients of the static bound."""
 
 
-class Played(NamedTuple):
+class _Played(NamedTuple):
     """An entry's episodes with N patients."""
 
     log_worst: Array  # (N,) of the error bars at the end
@@ -53,16 +53,16 @@ class Played(NamedTuple):
 
 
 @cache
-def played(entry: str, cohort: str, env_id: str, budget_s: float | None, patients: int) -> Played:
+def _played(entry: str, cohort: str, env_id: str, budget_s: float | None, patients: int) -> _Played:
     """The episodes of an entry."""
-    arguments: dict[str, Any] = {"cohort": cohort, "episode_s": SECONDS, "track_bound": False}
+    arguments: dict[str, Any] = {"cohort": cohort, "episode_s": _SECONDS, "track_bound": False}
     arguments |= {"control": "targets", "comfort_budget_s": budget_s}
     agent = load_agent(entry, env_id=env_id)
     recording = jawenv.play(agent, patients=patients, seed=REPORTS[1].start, env_kwargs=arguments, env_id=env_id)
     sd, error = recording.belief_sd, recording.belief_mean[:, -1] - recording.truth
-    sure = np.minimum(time_to(sd, recording.time, SURE, recording.valid), SECONDS)
+    sure = np.minimum(time_to(sd, recording.time, _SURE, recording.valid), _SECONDS)
     solved = np.linalg.solve(recording.belief_cov[:, -1], error[..., None])[..., 0]
-    return Played(
+    return _Played(
         np.log(sd[:, -1].max(axis=1)),
         np.log(np.sqrt((error**2).mean(axis=1))),
         (error * solved).mean(axis=1),
@@ -71,11 +71,11 @@ def played(entry: str, cohort: str, env_id: str, budget_s: float | None, patient
     )
 
 
-def row(entry: str, cohort: str, env_id: str, patients: int) -> list[str]:
+def _row(entry: str, cohort: str, env_id: str, patients: int) -> list[str]:
     """Cells of an entry in a cohort."""
-    beside = played(BESIDE, cohort, env_id, None, patients)
-    free, kept = (played(entry, cohort, env_id, budget, patients) for budget in (None, BUDGET_S))
-    above = [f"{100.0 * np.mean(each.discomfort_s > BUDGET_S):.0f}" for each in (free, kept)]
+    beside = _played(_BESIDE, cohort, env_id, None, patients)
+    free, kept = (_played(entry, cohort, env_id, budget, patients) for budget in (None, _BUDGET_S))
+    above = [f"{100.0 * np.mean(each.discomfort_s > _BUDGET_S):.0f}" for each in (free, kept)]
     return [
         f"`{entry}`",
         words.with_interval(statistics.mean(kept.log_worst - beside.log_worst), 3),
@@ -88,16 +88,16 @@ def row(entry: str, cohort: str, env_id: str, patients: int) -> list[str]:
     ]
 
 
-def bound_row(cohort: str, env_id: str) -> list[str]:
+def _bound_row(cohort: str, env_id: str) -> list[str]:
     """Cells of the static bound."""
     from agents.static_bound import static_bound
 
-    env: Any = gym.make_vec(env_id, OF_BOUND, cohort=cohort, episode_s=SECONDS, control="targets")
+    env: Any = gym.make_vec(env_id, _OF_BOUND, cohort=cohort, episode_s=_SECONDS, control="targets")
     env.reset(seed=REPORTS[1].start)
-    bound = static_bound(env.unwrapped.simulation, SECONDS)
-    beside = played(BESIDE, cohort, env_id, None, OF_BOUND)
+    bound = static_bound(env.unwrapped.simulation, _SECONDS)
+    beside = _played(_BESIDE, cohort, env_id, None, _OF_BOUND)
     less = words.with_interval(statistics.mean(bound.log_worst - beside.log_worst), 3)
-    return [f"static bound, {OF_BOUND} patients", less, *[""] * 6]
+    return [f"static bound, {_OF_BOUND} patients", less, *[""] * 6]
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -111,11 +111,11 @@ def main(argv: Sequence[str] | None = None) -> None:
     entries = asked.entries or [name for name in agent_names() if not name.endswith(("_force", "_asked"))]
     for cohort in asked.cohorts:
         print(f"\n**{cohort}**, {asked.patients} patients\n")
-        print(f"| {' | '.join(HEADINGS)} |")
-        print("|---|" + "--:|" * (len(HEADINGS) - 1))
-        print(f"| {' | '.join(bound_row(cohort, asked.env))} |", flush=True)
+        print(f"| {' | '.join(_HEADINGS)} |")
+        print("|---|" + "--:|" * (len(_HEADINGS) - 1))
+        print(f"| {' | '.join(_bound_row(cohort, asked.env))} |", flush=True)
         for number, entry in enumerate(entries, 1):
-            print(f"| {' | '.join(row(entry, cohort, asked.env, asked.patients))} |", flush=True)
+            print(f"| {' | '.join(_row(entry, cohort, asked.env, asked.patients))} |", flush=True)
             print(f"{cohort}: {number} of {len(entries)} entries", file=sys.stderr)
 
 

@@ -11,7 +11,7 @@ from agents.twin.worlds import Worlds
 POWER = 10.0
 MARKS = ((0.36, 0.2), (0.64, 0.2), (1.0, 0.6))
 """Shares of a maneuver's time at which the largest sd counts, and how much."""
-SURE, SOFTNESS = 0.05, 0.2
+_SURE, _SOFTNESS = 0.05, 0.2
 """Error bar from which on a patient's muscles count as known, and the width of the step, nats."""
 
 
@@ -29,6 +29,6 @@ def weights(steps: int) -> dict[int, float]:
 
 
 def share_unsure(worlds: Worlds) -> Tensor:
-    """Smooth step (P,): 1 while the largest sd of what is asked for is above ``SURE``, 0 below."""
-    step: Tensor = ((log_worst(worlds) - log(SURE)) / SOFTNESS).sigmoid()
+    """Smooth step (P,): 1 while the largest sd of what is asked for is above ``_SURE``, 0 below."""
+    step: Tensor = ((log_worst(worlds) - log(_SURE)) / _SOFTNESS).sigmoid()
     return step

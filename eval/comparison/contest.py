@@ -44,6 +44,8 @@ DIGITS = {
     "NEES / p": 2,
 }
 """Heading of each figure -> decimals."""
+_OF_BOUND = 12
+"""Patients of the static bound."""
 HEAD = ("entry", "seeds", *DIGITS, "training, steps", "a decision, ms")
 
 
@@ -91,8 +93,29 @@ def markdown(studies: Mapping[str, Results], cost_of: Callable[..., Cost] = cost
         table = Table(HEAD, rows, (0,)).markdown()
         seeds = Settings.from_mapping(study.about["settings"]).seeds
         played = f"{len(seeds)} patients (seeds {seeds[0]}\N{EN DASH}{seeds[-1]})"
-        parts += [f"## {name}", made_by(study.about, played), table]
+        parts += [f"## {name}", made_by(study.about, played), table, *_bound(study)]
     return "\n\n".join(parts) + "\n"
+
+
+def _bound(study: Results) -> list[str]:
+    """A line with the static bound of a few patients, where the twin has their model."""
+    import gymnasium as gym
+
+    from agents.static_bound import static_bound
+
+    settings, entries = Settings.from_mapping(study.about["settings"]), study.about["entries"]
+    fixed = [entry["label"] for entry in entries if not (entry.get("trained") or entry.get("planned"))]
+    fixed = [label for label in fixed if per_30_s(study.of(label)).mean() <= AdmissionLimits().discomfort_s]
+    best = min(fixed, key=lambda label: float(_log(study, label, "worst_sd").mean()))
+    number = min(_OF_BOUND, settings.patients)
+    env: Any = gym.make_vec(settings.world.env_id, number, **settings.world.arguments)
+    env.reset(seed=settings.seed)
+    try:
+        bound = static_bound(env.unwrapped.simulation, settings.world.episode_s).log_worst
+    except InputError:  # the twin has the midline model alone
+        return []
+    less = words.with_interval(statistics.mean(bound - _log(study, best, "worst_sd")[:number]), 3)
+    return [f"Static bound of the first {number} patients (`agents/static_bound.py`): worst sd {less}."]
 
 
 def _row(

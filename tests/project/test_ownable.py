@@ -111,6 +111,7 @@ LEAVES = {
         ("tests/eval/episodes/test_film.py",),
         ("report",),
     ),
+    "static bound": Leaf(("agents/static_bound.py",), (), ("tests/agents/test_static_bound.py",), ("contest",)),
     "contest": Leaf(
         ("eval/comparison/contest.py", "eval/comparison/cost.py"),
         (COMPARE,),
@@ -147,7 +148,7 @@ LEAVES = {
         ("training/run/algorithms.py", "training/run/train.py"),
         ("tests/training/test_pathwise.py",),
     ),
-    "twin": Leaf(("agents/twin/*",), (), ("tests/agents/twin",), ("clairvoyant", "apg", "maneuver search")),
+    "twin": Leaf(("agents/twin/*",), (), ("tests/agents/twin",), ("clairvoyant", "apg", "maneuver search", "static bound")),
     "clairvoyant": Leaf(("agents/clairvoyant.py",), ("agents/planners.py",), ("tests/agents/test_planning.py",)),
     "sampling planner": Leaf(
         ("agents/sampling_planner.py", "jawenv/envs/fork.py"),

@@ -34,7 +34,7 @@ MANEUVERS = (
 HORIZON_S = 10.0
 KNOT_S = 0.4
 SPREAD = (0.3, 0.5, 0.15, 0.5)
-ADMITTED_S = 1.0 / 30.0
+_ADMITTED_S = 1.0 / 30.0
 """Discomfort in 10 s."""
 SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
 """Of the perturbations, and how often."""
@@ -79,7 +79,7 @@ class Agreement:
         return "\n".join([*rows, *self._by_limit()])
 
     def _by_limit(self) -> list[str]:
-        """Markdown rows: discomfort of each limit in both, shares of patients above ``ADMITTED_S``, correlation."""
+        """Markdown rows: discomfort of each limit in both, shares of patients above ``_ADMITTED_S``, correlation."""
         rows = ["| limit | discomfort, s | of the twin | correlation |", "|---|--:|--:|--:|"]
         limits = dict(zip(COMFORT_LIMITS, np.moveaxis(self.discomfort_s, -1, 0), strict=True))
         whole = self.discomfort_s.sum(-1)
@@ -87,8 +87,8 @@ class Agreement:
             alike = np.corrcoef(felt, of_twin)[0, 1] if felt.std() > 0.0 and of_twin.std() > 0.0 else np.nan
             shown = "–" if np.isnan(alike) else f"{alike:.2f}"
             rows.append(f"| {name} | {felt.mean():.4f} | {of_twin.mean():.4f} | {shown} |")
-        above = (whole > ADMITTED_S).mean(axis=1)
-        return [*rows, "", f"Above {ADMITTED_S:.3f} s: {above[0]:.0%} of the patients, {above[1]:.0%} of the twin's."]
+        above = (whole > _ADMITTED_S).mean(axis=1)
+        return [*rows, "", f"Above {_ADMITTED_S:.3f} s: {above[0]:.0%} of the patients, {above[1]:.0%} of the twin's."]
 
 
 def _perturbed(number: int, times: Array, rng: np.random.Generator) -> Array:

@@ -53,13 +53,14 @@ def test_seeds_are_one_row_on_a_scale_from_the_admitted_maneuver_to_the_clairvoy
     assert found[2].figures[6].value == 100.0 and not found[0].figures[3].known
 
 
-def test_a_page_has_a_table_for_each_comparison_and_its_command():
+def test_a_page_has_a_table_for_each_comparison_its_command_and_the_bound():
     page = markdown({"trismus": compared(), "one_sided": compared()}, lambda about, settings: Cost(384000.0, 0.123))
     assert (
         page.count("| apg | 2 |") == 2
         and "## one_sided" in page
         and "`eval compare`, 20" in page
         and "seeds 5000–5039" in page
+        and page.count("Static bound of the first 12 patients") == 2
     )
     assert page.count("| 384,000 | 0.12 |") == 8
 
