@@ -18,6 +18,7 @@ from jawenv.ladder import MODELS
 from jawenv.metrics.calibration import alarm_word
 from jawenv.metrics.verdicts import WITHHELD, Verdict, verdicts
 from jawenv.recordings import defaults
+from jawenv.recordings.estimate import ENOUGH
 from jawenv.recordings.identification import LEAST_S, Identification, identified
 from jawenv.recordings.record import Record
 
@@ -95,6 +96,15 @@ def least_known(record: Record, result: Identification) -> dict[str, Any]:
     }
 
 
+def enough_in_words(result: Identification) -> str:
+    """Whether a recording may stop here."""
+    sd = result.estimate.sd[-1]
+    wide = int((sd > ENOUGH).sum())
+    if not wide:
+        return f"yes, all {len(sd)} error bars are within {ENOUGH:.0%}"
+    return f"no, {wide} of {len(sd)} error bars are above {ENOUGH:.0%}, the largest is {sd.max():.0%}"
+
+
 def at_the_edge(record: Record, result: Identification) -> list[str]:
     """Names of parameters whose estimate is beyond 2 sds of the prior: a patient whom the cohort hardly has."""
     beyond = np.abs(result.estimate.mean[-1] - record.prior.mean) > TRUNCATION_SD * record.prior.sd
@@ -124,6 +134,7 @@ def as_mapping(record: Record, result: Identification) -> dict[str, Any]:
         "doubts": result.doubts,
         "misfit": result.misfit,
         "alarm": alarm_word(result.misfit),
+        "enough": bool((result.estimate.sd[-1] <= ENOUGH).all()),
         "seconds": float(record.time[-1] - record.time[0]),
         "rows": result.rows,
         "refused": result.refused,

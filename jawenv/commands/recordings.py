@@ -19,6 +19,7 @@ from jawenv.commands.answer import (
     assumed_in_words,
     at_the_edge,
     doubts_in_words,
+    enough_in_words,
     judgements,
     least_known,
 )
@@ -68,6 +69,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     _print_estimates(record, result)
     weakest, edge = least_known(record, result), at_the_edge(record, result)
     print(f"least known: {weakest['words']}, sd {weakest['sd']:.1%} (before: {weakest['prior_sd']:.0%})")
+    print(f"enough recorded: {enough_in_words(result)}")
     if edge:
         print(f"at the edge of what was assumed: {', '.join(edge)}")
     _print_muscles(record, result)

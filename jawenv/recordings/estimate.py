@@ -14,6 +14,10 @@ from jawenv.recordings.record import Record
 Array = NDArray[np.float64]
 
 
+ENOUGH = 0.05
+"""Error bar of a natural log at which a recording may stop: 5 %."""
+
+
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """An estimator's belief about p natural-log parameters at K times."""

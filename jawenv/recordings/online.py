@@ -29,6 +29,7 @@ from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 from jawenv.recordings import defaults
+from jawenv.recordings.estimate import ENOUGH
 from jawenv.recordings.filter_settings import settings_of_configuration, settings_of_record
 from jawenv.recordings.record import Record
 
@@ -56,6 +57,11 @@ class OnlineBelief:
         """(p,) sd of the natural logs, so 0.05 is 5 %."""
         sd: Array = np.sqrt(np.diagonal(self.log_cov))
         return sd
+
+    @property
+    def enough(self) -> bool:
+        """Whether the device may stop: every error bar is within 5 %."""
+        return bool((self.log_sd <= ENOUGH).all())
 
     @property
     def mean(self) -> Array:

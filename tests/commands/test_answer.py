@@ -51,6 +51,8 @@ def test_a_file_without_a_label_is_of_anyone_with_a_scans_anatomy(cohort, tmp_pa
     assert found["least_known"]["sd"] == pytest.approx(np.sqrt(direction @ cov @ direction))
     assert found["least_known"]["sd"] >= np.sqrt(np.diag(cov)).max()
     assert f"least known: {found['least_known']['words']}, sd " in said
+    assert found["enough"] == ("enough recorded: yes" in said) and "enough recorded: " in said
+    assert found["enough"] == bool((np.sqrt(np.diagonal(found["log_cov"])) <= 0.05).all())
     assert all(name in said.split("at the edge of what was assumed: ")[1] for name in found["at_the_priors_edge"])
 
 

@@ -148,7 +148,9 @@ LEAVES = {
         ("training/run/algorithms.py", "training/run/train.py"),
         ("tests/training/test_pathwise.py",),
     ),
-    "twin": Leaf(("agents/twin/*",), (), ("tests/agents/twin",), ("clairvoyant", "apg", "maneuver search", "static bound")),
+    "twin": Leaf(
+        ("agents/twin/*",), (), ("tests/agents/twin",), ("clairvoyant", "apg", "maneuver search", "static bound")
+    ),
     "clairvoyant": Leaf(("agents/clairvoyant.py",), ("agents/planners.py",), ("tests/agents/test_planning.py",)),
     "sampling planner": Leaf(
         ("agents/sampling_planner.py", "jawenv/envs/fork.py"),
