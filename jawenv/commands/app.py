@@ -109,6 +109,26 @@ def _identify_command(
     return check(recording, reading) if check_only else identify(recording, reading, page, json)
 
 
+@app.command("suggest")
+def _suggest_command(
+    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A .csv or .parquet file.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Maneuver to record next.", metavar="FILE.yaml")],
+    seconds: Annotated[float, typer.Option(help="Its length.", metavar="S")] = 10.0,
+    cohort: Annotated[
+        str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
+    ] = None,
+    knowledge: Annotated[str | None, typer.Option(help="What is known of anatomy and device.", metavar="NAME")] = None,
+    columns: Annotated[
+        Path | None, typer.Option(help="File with the recording's own names, units and signs.", metavar="FILE")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an older maneuver.")] = False,
+) -> None:
+    """Suggest the movement to record next: made for the estimates of this recording (docs/recordings.md)."""
+    from jawenv.commands.suggest import suggest_next
+
+    suggest_next(recording, output, seconds, {"cohort": cohort, "knowledge": knowledge, "columns": columns}, overwrite)
+
+
 @app.command("import")
 def _import_command(
     file: Annotated[

@@ -1,0 +1,45 @@
+"""``jawenv suggest``: the movement to record next, for the patient of a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from jawenv.base.errors import InputError
+from jawenv.base.files import write_text
+from jawenv.commands.answer import UNKNOWN, least_known
+from jawenv.recordings.files import load_record
+from jawenv.suggesting.suggestion import BESIDE, Expected, suggest
+
+
+def suggest_next(path: Path, output: Path, seconds: float, reading: dict[str, Any], overwrite: bool) -> None:
+    """Write the maneuver to record next, and say what it is expected to tell.
+
+    Args:
+        path: of the recording.
+        output: of the maneuver.
+        seconds: its length.
+        reading: arguments of ``load_record``.
+        overwrite: whether an older maneuver may be replaced.
+    """
+    if output.suffix not in (".yaml", ".yml"):
+        raise InputError(f"--output: {output}; allowed: a file .yaml")
+    if output.exists() and not overwrite:
+        raise InputError(f"--output: {output} exists already; replace it with --overwrite")
+    record = load_record(path, UNKNOWN, **reading)
+    found = suggest(record, seconds)
+    maneuver = found.maneuver.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
+    write_text(output, yaml.safe_dump(maneuver, sort_keys=False))
+    weakest = least_known(record, found.found)
+    print(f"least known now: {weakest['words']}, sd {weakest['sd']:.1%}; largest error bar {found.worst_sd:.1%}")
+    print(f"next: {found.movement()}")
+    comfort = f"discomfort {found.expected.discomfort_s:.3f} s"
+    print(f"expected after {seconds:g} s more: {_in_words(found.expected)}, {comfort}")
+    print(f"in its place: the same again {found.again:.1%}, {BESIDE} {_in_words(found.beside)}")
+    print(f"maneuver: {output}")
+
+
+def _in_words(expected: Expected) -> str:
+    return f"{expected.median:.1%} ({expected.low:.1%} to {expected.high:.1%})"

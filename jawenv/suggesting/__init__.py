@@ -1,0 +1,1 @@
+"""What to record next of a patient whose recording was identified."""

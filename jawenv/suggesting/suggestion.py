@@ -1,0 +1,150 @@
+"""The movement to record next: the shipped policy plays a simulated patient with the estimates of a recording.
+
+Its targets are written down, and are played without looking. What the next recording will tell is expected from
+patients drawn from the belief: the information of each simulated recording is added to that of the first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jawenv.anatomy import Patient
+from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N
+from jawenv.anatomy.prior import Prior
+from jawenv.base.errors import InputError
+from jawenv.device.channels import CHANNELS
+from jawenv.metrics import score
+from jawenv.playing.agents import Agent, Array
+from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.maneuvers.maneuver import goals_of
+from jawenv.playing.policies.named import named_agent
+from jawenv.playing.rollout import play
+from jawenv.recordings import defaults
+from jawenv.recordings.identification import Identification
+from jawenv.recordings.record import Record
+from jawenv.recordings.untold.learnt import identified_with_errors
+
+POLICY, BESIDE = "apg_anyone", "refined"
+SHORTEST_S, LONGEST_S = 2.0, 30.0
+DRAWS = 16
+"""Patients from the belief, for what is expected."""
+BUDGET = 1.0 / 300.0
+"""Discomfort that the device keeps, share of the time."""
+_TIMES_S = 0.2
+"""Between the points of the maneuver."""
+
+
+@dataclass(frozen=True)
+class Expected:
+    """The largest error bar after both recordings, for patients from the belief: median, and nine in ten."""
+
+    median: float
+    low: float
+    high: float
+    discomfort_s: float
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """What to record next."""
+
+    found: Identification  # of the recording
+    maneuver: Maneuver
+    worst_sd: float  # largest error bar now
+    expected: Expected  # with the maneuver
+    beside: Expected  # with ``BESIDE`` in its place
+    again: float  # largest error bar if the next recording told what this one did
+
+    def movement(self) -> str:
+        """What the movement is like, in words."""
+        goals = self.maneuver.targets(np.arange(0.0, self.seconds, _TIMES_S)).value
+        opening, side, push, _ = goals.T
+        turns = int(np.sum(np.diff(np.sign(side[np.abs(side) > 0.2])) != 0))
+        pushes = [word for word, far in (("forward", push.max()), ("back", -push.min())) if far > 0.3]
+        parts = [f"opens to {opening.max():.1f} of the painless range", f"{turns + 1} swings to the sides"]
+        return ", ".join([*parts, *(["pushes " + " and ".join(pushes)] if pushes else [])])
+
+    @property
+    def seconds(self) -> float:
+        """Length of the movement."""
+        return max(point.t_s for point in self.maneuver.channels.opening.points)  # type: ignore[union-attr]
+
+
+def suggest(record: Record, seconds: float = 10.0) -> Suggestion:
+    """What to record next of the patient of a recording.
+
+    Args:
+        record: of the whole midline jaw, as ``load_record`` gives it.
+        seconds: length of the next recording, 2 to 30.
+
+    Raises:
+        InputError: another length or model, or a recording that is not to be believed.
+    """
+    if not SHORTEST_S <= seconds <= LONGEST_S:
+        raise InputError(f"seconds is {seconds:g}; allowed: {SHORTEST_S:g} to {LONGEST_S:g}")
+    model = defaults.model_of_geometry(record.jaw)
+    if model is None or model[0] != "jaw":
+        raise InputError("recording is of another jaw than the default one; allowed: that of jawenv/Jaw-v3")
+    found, _ = identified_with_errors(record)
+    if not found.believable:
+        raise InputError(f"recording is not to be believed: {found.doubts[0]}; allowed: one that identify believes")
+    mean, cov = found.estimate.mean[-1], found.estimate.cov[-1]
+    world = {
+        "cohort": "anyone",
+        "control": "targets",
+        "episode_s": seconds,
+        "track_bound": False,
+        "knowledge": record.knowledge,
+        "comfort_budget_s": BUDGET * seconds,
+    }
+    policy = named_agent(POLICY, "targets")
+    assert policy is not None
+    maneuver = _written_down(policy, _patient(mean, model[1]), world, seconds)
+    rng = np.random.default_rng(0)
+    patients = [_patient(one, model[1]) for one in rng.multivariate_normal(mean, cov, DRAWS)]
+    known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
+    expected, beside = (_expected(Player(one), patients, world, known) for one in (maneuver, Maneuver.named(BESIDE)))
+    return Suggestion(found, maneuver, _worst(cov), expected, beside, _worst(np.linalg.inv(2.0 * known - prior)))
+
+
+def _patient(theta: Array, tilt_deg: float) -> Patient:
+    """The patient of natural-log parameters, within what a patient can be."""
+    most = np.tile(np.log([LARGEST_F_O_N, LARGEST_B]), len(theta) // 2)
+    return Patient.from_log_parameters(np.minimum(theta, most - 1e-9), head_tilt_deg=tilt_deg)
+
+
+def _written_down(policy: Agent, patient: Patient, world: dict[str, Any], seconds: float) -> Maneuver:
+    """The targets of a policy for a patient, as a maneuver."""
+    goals: list[Array] = []
+
+    def note(env: Any, action: Any) -> None:
+        if action is not None:
+            goals.append(goals_of(action)[0])
+
+    play(policy, patients=[patient], seed=0, env_kwargs=world, on_step=note)
+    times = seconds / len(goals) * np.arange(1, len(goals) + 1)
+    channels = {}
+    for name, values in zip(CHANNELS, np.array(goals).T, strict=True):
+        joined = zip([0.0, *times], [0.0, *values], strict=True)
+        points = [{"t_s": round(float(t), 6), "value": round(float(value), 5)} for t, value in joined]
+        channels[name] = {"kind": "keyframes", "interpolation": "linear", "points": points}
+    text = f"Suggested by {POLICY} for the estimates of a recording."
+    header = {"name": "next", "title": "Next", "description": text, "source": "jawenv suggest"}
+    return Maneuver.model_validate({**header, "fade_in_s": 0.001, "channels": channels})
+
+
+def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array) -> Expected:
+    """What a movement tells of patients beside the precision ``known`` (p, p)."""
+    played = play(player, patients=patients, seed=1, env_kwargs=world)
+    prior = Prior(played.prior_mean, played.prior_sd)
+    told = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)
+    worst = [_worst(np.linalg.inv(known + one)) for one in told]
+    low, median, high = np.quantile(worst, [0.05, 0.5, 0.95])
+    return Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()))
+
+
+def _worst(cov: Any) -> float:
+    return float(np.sqrt(np.diagonal(cov).max()))
