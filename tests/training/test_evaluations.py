@@ -101,7 +101,8 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
     evaluations = Evaluations(
         RunFolder(tmp_path),
         None,
-        None,
+        worlds(),
+        worlds(),
         lambda: None,
         progress,
         largest_discomfort_s=0.05,  # type: ignore[arg-type]
