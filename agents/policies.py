@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from agents.without_card import card_in
 from jawenv.base.errors import InputError
-from jawenv.base.files import validate
 from jawenv.base.reading import open_file
 from jawenv.controls import Control
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Action, Agent, BatchAgent, Mask, Observation, State
-from jawenv.playing.policies.card import CARD, CorrectedManeuver, Environment, ModelCard, card_of, policy_folder
+from jawenv.playing.policies.card import CARD, card_of, policy_folder
 from jawenv.playing.policies.inputs import fitted
 from jawenv.playing.policies.plain import check_environment, load_plain, on_maneuver
 
@@ -93,7 +93,7 @@ def _of_checkpoint(path: Path, env_id: str, trust: bool) -> Agent:
     if shape != (4,):
         raise InputError(f"{path}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
     run = card_of(path)
-    card = _card_in(path, policy, plays) if run is None else run[1]
+    card = card_in(path, policy.observation_space.shape, plays) if run is None else run[1]
     trained = TrainedPolicy(path, policy, None if card is None else card.environment.control)
     check_environment(path, trained.observation_size, card, env_id)
     return trained if card is None else on_maneuver(trained, path, card)
@@ -123,19 +123,6 @@ def _check_checkpoint(path: Path) -> None:
             f"{path}: its observations were normalised (by {statistics[0].relative_to(path.parent)}), which is not "
             "applied; allowed: a policy without VecNormalize, or an agent of your own that normalises first"
         )
-
-
-def _card_in(path: Path, policy: BasePolicy, plays: Any) -> ModelCard | None:
-    """What a checkpoint itself says of where its policy plays, as far as a card would; None if it says nothing."""
-    if not isinstance(plays, dict):
-        return None
-    residual = plays.get("residual")
-    part: dict[str, Any] = {
-        "environment": validate(Environment, plays.get("environment"), str(path)),
-        "observation_size": int(np.prod(policy.observation_space.shape or (0,))),
-        "residual": None if residual is None else validate(CorrectedManeuver, residual, str(path)),
-    }
-    return ModelCard.model_construct(**part)
 
 
 def _unpickled(path: Path) -> tuple[BasePolicy, Any]:

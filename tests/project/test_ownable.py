@@ -147,6 +147,20 @@ LEAVES = {
         ("training/run/algorithms.py", "training/run/train.py"),
         ("tests/training/test_pathwise.py",),
     ),
+    "features of one's own": Leaf(
+        ("training/run/features.py",), ("training/run/algorithms.py",), ("tests/training/test_own_parts.py",)
+    ),
+    "networks without a card": Leaf(
+        ("agents/without_card.py",),
+        ("agents/policies.py", "training/run/train.py"),
+        ("tests/training/test_own_parts.py",),
+    ),
+    "arguments of an algorithm": Leaf(
+        ("training/run/arguments.py",),
+        ("training/run/algorithms.py",),
+        ("tests/training/test_arguments.py",),
+        ("tune",),
+    ),
     "twin": Leaf(("agents/twin/*",), (), ("tests/agents/twin",), ("clairvoyant", "apg", "maneuver search")),
     "clairvoyant": Leaf(("agents/clairvoyant.py",), ("agents/planners.py",), ("tests/agents/test_planning.py",)),
     "sampling planner": Leaf(

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,14 +12,13 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.torch_layers import FlattenExtractor
-from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from jawenv.base.errors import InputError, not_among, shown
-from jawenv.base.files import validate
+from jawenv.base.errors import InputError, not_among
 from jawenv.base.named_objects import import_named, is_named, reason
 from jawenv.playing.policies.card import Architecture
-from training.run.config import NetworkConfig, Schedule, TrainingConfig
+from training.run.arguments import arguments_of
+from training.run.config import NetworkConfig, TrainingConfig
 from training.run.features import OwnFeatures
 from training.run.pathwise import APG
 
@@ -34,8 +30,6 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"APG": APG} | {
     if isinstance(value, type) and issubclass(value, KINDS)
 }
 ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU, "elu": torch.nn.ELU}
-_OURS = ("policy", "env", "seed", "device", "verbose", "stats_window_size", "tensorboard_log", "_init_setup_model")
-"""Arguments that the training itself sets."""
 
 
 def algorithm_class(name: str) -> type[BaseAlgorithm]:
@@ -50,24 +44,10 @@ def algorithm_class(name: str) -> type[BaseAlgorithm]:
     return kind
 
 
-def parameters_of(kind: type[BaseAlgorithm]) -> dict[str, inspect.Parameter]:
-    """Arguments that a configuration may give, those that a class passes on to its bases among them."""
-    found: dict[str, inspect.Parameter] = {}
-    for one in (one for one in kind.__mro__ if "__init__" in vars(one)):
-        parameters = list(inspect.signature(vars(one)["__init__"]).parameters.values())[1:]
-        for parameter in (p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)):
-            found.setdefault(parameter.name, parameter)
-        if not any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters):
-            break
-    return {name: parameter for name, parameter in found.items() if name not in _OURS}
-
-
 def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
     """The untrained model that the configuration describes."""
     kind: Any = algorithm_class(config.algorithm)
-    arguments = _arguments(config, parameters_of(kind))
-    _check_batches(config, kind)
-    device = _device(config.device)
+    arguments, device = arguments_of(config, kind), _device(config.device)
     policy = arguments.pop("policy_kwargs", None) or {}
     try:
         model: BaseAlgorithm = kind(
@@ -85,43 +65,6 @@ def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
         raise InputError(f"algorithm {config.algorithm}: cannot be made: {reason(error)}") from error
     _scale_last_layer(model, config.network.initial_action_scale)
     return model
-
-
-def _arguments(config: TrainingConfig, allowed: Mapping[str, inspect.Parameter]) -> dict[str, Any]:
-    """The keyword arguments as the class takes them."""
-    given: dict[str, Any] = {}
-    for name, value in config.arguments.items():
-        if name not in allowed:
-            raise not_among(f"key of arguments, of {config.algorithm},", name, allowed)
-        given[name] = _argument(f"arguments.{name}", value, allowed[name].default)
-    return given
-
-
-def _argument(name: str, value: Any, default: Any) -> Any:
-    """An argument: a mapping is a schedule where the default is a number, and a number stays one."""
-    if type(default) not in (bool, int, float):
-        return value
-    if isinstance(value, Mapping):
-        schedule = validate(Schedule, value, name)
-        return LinearSchedule(schedule.initial, schedule.final, 1.0)
-    allowed = {bool: (bool,), int: (int,), float: (int, float)}[type(default)]
-    if type(value) not in allowed or not math.isfinite(value):
-        kind = {bool: "true or false", int: "an integer", float: "a number"}[type(default)]
-        raise InputError(f"{name} is {shown(value)}; allowed: {kind}")
-    return value
-
-
-def _check_batches(config: TrainingConfig, kind: type[BaseAlgorithm]) -> None:
-    """Make sure that an on-policy algorithm's rollout is cut into whole batches."""
-    defaults = {name: parameter.default for name, parameter in parameters_of(kind).items()}
-    steps, batch = (config.arguments.get(name, defaults.get(name)) for name in ("n_steps", "batch_size"))
-    if not issubclass(kind, OnPolicyAlgorithm) or not (isinstance(steps, int) and isinstance(batch, int)):
-        return
-    if steps < 1 or batch < 2 or config.n_envs * steps % batch:
-        raise InputError(
-            f"n_envs x arguments.n_steps is {config.n_envs} x {steps} = {config.n_envs * steps}; "
-            f"allowed: a multiple of arguments.batch_size, {batch}"
-        )
 
 
 def _network(network: NetworkConfig, kind: type[BaseAlgorithm]) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 
+from agents.without_card import plays_in
 from jawenv.base.errors import InputError, shown
 from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
@@ -174,7 +175,12 @@ class TrainingSession:
         self.model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
         if self._world is not None and plain_policy(self.model, config) is None:
-            self._plays_by_itself(self._world)
+            self.model.plays = plays_in(self._world, self._residual())  # type: ignore[attr-defined]
+            console.print(
+                f"no card describes this network: the best policy is kept as {run.best_model.name}, which is played "
+                "with --trust and cannot be exported",
+                soft_wrap=True,
+            )
         self._priced = None
         if isinstance(self.model, APG):
             self._priced = worlds_for(config.env, min(PRICED, config.n_envs), base)
@@ -283,27 +289,15 @@ class TrainingSession:
     def _residual(self) -> CorrectedManeuver | None:
         return None if self.base is None else CorrectedManeuver(maneuver=self.base.maneuver, scale=self.base.scale)
 
-    def _plays_by_itself(self, world: Configuration) -> None:
-        """Let a model whose network no card describes hold where it plays, which `agents.policies` reads."""
-        residual, model = self._residual(), self.model
-        model.plays = {  # type: ignore[attr-defined]
-            "environment": Environment.of(world).model_dump(mode="json"),
-            "residual": None if residual is None else residual.model_dump(mode="json"),
-        }
-        self._console.print(
-            f"no card describes this network: the best policy is kept as {self.run.best_model.name}, which is played "
-            "with --trust and cannot be exported",
-            soft_wrap=True,
-        )
-
     def _report(self, evaluations: Evaluations, seconds: float) -> None:
         steps = self.model.num_timesteps
         rate = (steps - self._from_step) / seconds
         assert evaluations.best is not None
         score, best_steps = evaluations.best
+        played = self._validation if best_steps else self._few
         self._console.print(
             f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best on "
-            f"{self.config.evaluation.patients} validation patients: {score.in_words()} "
+            f"{played.num_envs} validation patients: {score.in_words()} "
             f"after {best_steps:,} steps: {self.run.path}",
             soft_wrap=True,
         )

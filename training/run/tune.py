@@ -17,10 +17,10 @@ from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from agents.evaluations import read_evaluations
 from jawenv.base.errors import InputError
 from training.run import train
-from training.run.algorithms import algorithm_class, parameters_of
+from training.run.algorithms import ALGORITHMS, algorithm_class
+from training.run.arguments import parameters_of
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
-from training.run.pathwise import APG
 
 WARM_UP_TRIALS = 5
 """Trials that are neither guided nor pruned."""
@@ -62,7 +62,7 @@ def suggest(trial: Trial, config: TrainingConfig) -> TrainingConfig:
     arguments: dict[str, Any] = {}
     network: dict[str, Any] = {}
     final: dict[str, float] = {}
-    if issubclass(kind, APG):
+    if issubclass(kind, ALGORITHMS["APG"]):
         rate = trial.suggest_float("learning_rate", 5e-4, 5e-3, log=True)
     elif issubclass(kind, OnPolicyAlgorithm):
         rate = trial.suggest_float("learning_rate", 1e-4, 2e-3, log=True)
