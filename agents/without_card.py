@@ -13,13 +13,13 @@ from jawenv.playing.policies.card import CorrectedManeuver, Environment, ModelCa
 
 
 def plays_in(world: Configuration, residual: CorrectedManeuver | None) -> dict[str, Any]:
-    """What a checkpoint keeps, as its attribute ``plays``: the environment, and the maneuver that is corrected."""
+    """Environment and corrected maneuver, as a checkpoint keeps them in its attribute ``plays``."""
     corrected = None if residual is None else residual.model_dump(mode="json")
     return {"environment": Environment.of(world).model_dump(mode="json"), "residual": corrected}
 
 
 def card_in(path: Path, shape: tuple[int, ...] | None, plays: Any) -> ModelCard | None:
-    """What a checkpoint says as far as a card would; None if it says nothing.
+    """The part of a card that a checkpoint holds; None if it holds none.
 
     Args:
         path: of the checkpoint.

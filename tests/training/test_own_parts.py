@@ -73,7 +73,7 @@ def test_a_policy_sees_its_features_wherever_it_plays_and_is_not_exported(
     capsys.readouterr()
     assert main(["export", str(run.path), "--output", str(tmp_path / "shared")]) == 2
     error = capsys.readouterr().err
-    assert "no network that a card describes" in error and error.count("\n") == 1
+    assert "a card describes no such environment or network" in error and error.count("\n") == 1
     assert not (tmp_path / "shared").exists()
 
 

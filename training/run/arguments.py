@@ -20,7 +20,7 @@ _OURS = ("policy", "env", "seed", "device", "verbose", "stats_window_size", "ten
 
 
 def parameters_of(kind: type[BaseAlgorithm]) -> dict[str, inspect.Parameter]:
-    """Arguments that a configuration may give, those that a class passes on to its bases among them."""
+    """Arguments that a configuration may give; some of them a class only passes on to its bases."""
     found: dict[str, inspect.Parameter] = {}
     for one in (one for one in kind.__mro__ if "__init__" in vars(one)):
         parameters = list(inspect.signature(vars(one)["__init__"]).parameters.values())[1:]

@@ -119,7 +119,9 @@ def export(
     """
     run.check_holds_run()
     if run.best_model.exists():
-        raise InputError(f"{run.best_model}: the policy is no network that a card describes; allowed: one with {CARD}")
+        raise InputError(
+            f"{run.best_model}: a card describes no such environment or network; allowed: a run that has {CARD}"
+        )
     card_of_run = read_card(run.path)
     weights = read_weights(run.path, card_of_run)
     reached = () if results is None else read_model(results, ResultsFile).results
