@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from agents.without_card import card_in
 from jawenv.base.errors import InputError
 from jawenv.base.reading import open_file
 from jawenv.controls import Control
@@ -87,12 +88,12 @@ def _of_checkpoint(path: Path, env_id: str, trust: bool) -> Agent:
             f"{path}: a checkpoint is unpickled, which can run code; allowed if you trust its origin: --trust (in "
             "Python trust=True)"
         )
-    policy = _unpickled(path)
+    policy, plays = _unpickled(path)
     shape = policy.action_space.shape
     if shape != (4,):
         raise InputError(f"{path}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
     run = card_of(path)
-    card = None if run is None else run[1]
+    card = card_in(path, policy.observation_space.shape, plays) if run is None else run[1]
     trained = TrainedPolicy(path, policy, None if card is None else card.environment.control)
     check_environment(path, trained.observation_size, card, env_id)
     return trained if card is None else on_maneuver(trained, path, card)
@@ -124,8 +125,8 @@ def _check_checkpoint(path: Path) -> None:
         )
 
 
-def _unpickled(path: Path) -> BasePolicy:
-    """Rebuild a policy from the pickles of a checkpoint: this can run code."""
+def _unpickled(path: Path) -> tuple[BasePolicy, Any]:
+    """Rebuild a policy from the pickles of a checkpoint, with what it says of where it plays: this can run code."""
     from stable_baselines3.common.policies import BasePolicy
     from stable_baselines3.common.save_util import load_from_zip_file
 
@@ -138,9 +139,11 @@ def _unpickled(path: Path) -> BasePolicy:
         # A learning rate is asked for by every policy's constructor; a policy that only acts never uses it.
         policy = data["policy_class"](data["observation_space"], data["action_space"], lambda _: 0.0, **kwargs)
         policy.load_state_dict(parameters["policy"])
+    except InputError:
+        raise
     except Exception as error:  # a damaged pickle or state can raise anything
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise InputError(f"{path}: damaged stable-baselines3 checkpoint: {reason}") from error
     assert isinstance(policy, BasePolicy)
     policy.set_training_mode(False)
-    return policy
+    return policy, data.get("plays")

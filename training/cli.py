@@ -185,8 +185,8 @@ def _export_command(
 ) -> None:
     """Write a run's best policy as plain weights with a model card, to be shared.
 
-    FOLDER holds policy.safetensors, card.json and a README.md made of it. It can be given wherever a run can, needs no
-    PyTorch, and unlike a checkpoint runs no code when it is loaded.
+    FOLDER holds policy.safetensors, card.json, a README.md made of it, and evaluations.csv if the run has one. It can
+    be given wherever a run can, needs no PyTorch, and unlike a checkpoint runs no code when it is loaded.
     """
     from training.run.export import export
     from training.run.folder import RunFolder

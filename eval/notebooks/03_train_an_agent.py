@@ -49,17 +49,16 @@ from training.run.config import TrainingConfig, config_file
 config = TrainingConfig.load(config_file("demo"))
 if QUICK:  # as a test: one rollout of a few worlds
     kwargs = {**config.env.kwargs, "episode_s": EPISODE_S}
-    ppo = config.ppo.model_copy(update={"n_steps": 20, "batch_size": 40, "n_epochs": 1})
     evaluation = config.evaluation.model_copy(update={"every_steps": 40, "patients": 2})
     config = config.changed(
         steps=80,
         n_envs=2,
         env={"id": config.env.id, "kwargs": kwargs},
-        ppo=ppo.model_dump(),
+        arguments={"n_steps": 20, "batch_size": 40, "n_epochs": 1},
         evaluation=evaluation.model_dump(),
     )
 Markdown(
-    f"{config.algorithm.upper()} takes {config.steps:,} steps in {config.n_envs} worlds. It corrects the maneuver "
+    f"{config.algorithm} takes {config.steps:,} steps in {config.n_envs} worlds. It corrects the maneuver "
     f"`{config.residual.maneuver}` by at most {config.residual.scale:.0%} of what is comfortable, and may cost "
     f"{config.comfort.target_discomfort_s:g} s of discomfort on average."
 )

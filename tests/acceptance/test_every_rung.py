@@ -13,7 +13,8 @@ from training.cli import main as train
 CONFIG = """
 n_envs: 2
 env: {kwargs: {episode_s: 0.5}}
-ppo: {n_steps: 16, batch_size: 32, n_epochs: 1, network: {policy: [8], value: [8]}}
+arguments: {n_steps: 16, batch_size: 32, n_epochs: 1}
+network: {policy: [8], value: [8]}
 evaluation: {every_steps: 1000, patients: 2}
 """
 

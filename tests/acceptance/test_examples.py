@@ -270,6 +270,20 @@ def test_train_in_one_file(algorithm: str) -> None:
     assert np.isfinite(after) and before != after
 
 
+def test_my_own_learner() -> None:
+    script = "examples/my_own_learner.py"
+    done = run(script, "--generations", "1", "--patients", "2", "--episode-s", "2")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert [line.split()[0] for line in lines] == ["refined_one_sided", "generation", "my_own_learner"]
+    assert lines[0].split()[4] != lines[2].split()[4]
+    assert len((ROOT / script).read_text(encoding="utf-8").splitlines()) <= 150
+
+
+def test_my_own_learner_names_what_is_not_allowed(refusal) -> None:
+    assert refusal("my_own_learner.py", "--generations", "0") == "error: generations is 0; allowed: 1 or more\n"
+
+
 @pytest.mark.parametrize("script", ["train_with_sb3.py", "train_with_torchrl.py", "sbi_posterior.py"])
 def test_training_examples_are_short(script: str) -> None:
     assert len((ROOT / "examples" / script).read_text(encoding="utf-8").splitlines()) < 80

@@ -29,6 +29,9 @@ import jawenv.playing.rollout
 import training.cli
 from jawenv.playing.policies.card import Result
 from jawenv.recordings.files import load_record
+from training.run.algorithms import algorithm_class
+from training.run.arguments import parameters_of
+from training.run.config import TrainingConfig
 
 EPISODE_S = 2.0
 NOT_OF_THE_WHEEL = {*BLOCKED, "rich", "agents", "training", "eval"} - {"yaml"}  # PyYAML is required by the wheel
@@ -128,9 +131,16 @@ def test_a_maneuver_file_is_one(tmp_path: Path) -> None:
 
 
 def test_a_file_of_results_is_one() -> None:
-    (example,) = blocks(ROOT / "training" / "README.md", "yaml")
+    _, example = blocks(ROOT / "training" / "README.md", "yaml")
     rows = yaml.safe_load(example.text)["results"]
     assert [Result(**row).metric for row in rows] == ["true information, nats"]
+
+
+def test_a_configuration_is_one() -> None:
+    example, _ = blocks(ROOT / "training" / "README.md", "yaml")
+    config = TrainingConfig(**yaml.safe_load(example.text))
+    known = parameters_of(algorithm_class(config.algorithm))
+    assert config.arguments.keys() <= known.keys() and config.network.features is not None
 
 
 def test_a_recording_is_one(tmp_path: Path) -> None:

@@ -111,6 +111,7 @@ LEAVES = {
         ("tests/eval/episodes/test_film.py",),
         ("report",),
     ),
+    "suggest": Leaf(("jawenv/suggesting/*", "jawenv/commands/suggest.py"), (JAWENV,), ("tests/suggesting",)),
     "static bound": Leaf(("agents/static_bound.py",), (), ("tests/agents/test_static_bound.py",), ("contest",)),
     "contest": Leaf(
         ("eval/comparison/contest.py", "eval/comparison/cost.py"),
@@ -147,6 +148,20 @@ LEAVES = {
         ("training/run/pathwise.py",),
         ("training/run/algorithms.py", "training/run/train.py"),
         ("tests/training/test_pathwise.py",),
+    ),
+    "features of one's own": Leaf(
+        ("training/run/features.py",), ("training/run/algorithms.py",), ("tests/training/test_own_parts.py",)
+    ),
+    "networks without a card": Leaf(
+        ("agents/without_card.py",),
+        ("agents/policies.py", "training/run/train.py"),
+        ("tests/training/test_own_parts.py",),
+    ),
+    "arguments of an algorithm": Leaf(
+        ("training/run/arguments.py",),
+        ("training/run/algorithms.py",),
+        ("tests/training/test_arguments.py",),
+        ("tune",),
     ),
     "twin": Leaf(
         ("agents/twin/*",), (), ("tests/agents/twin",), ("clairvoyant", "apg", "maneuver search", "static bound")

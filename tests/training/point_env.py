@@ -23,7 +23,7 @@ TINY_CONFIG = """
 steps: 1024
 n_envs: 8
 env: {id: "point_env:Point-v0"}
-ppo: {n_steps: 32, batch_size: 64, learning_rate: {initial: 0.003}}
+arguments: {n_steps: 32, batch_size: 64, learning_rate: {initial: 0.003}}
 evaluation: {every_steps: 512, patients: 4}
 checkpoints: {every_steps: 256, keep: 2}
 """

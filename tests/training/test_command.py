@@ -141,7 +141,7 @@ def test_resume_goes_on_from_model_optimiser_and_steps(
 @pytest.mark.parametrize(
     ("old", "new", "named"),
     [
-        ("policy:\n    - ", "policy:\n    - 9\n    - ", "ppo.network.policy"),
+        ("policy:\n  - ", "policy:\n  - 9\n  - ", "network.policy"),
         ("kwargs: {}", "kwargs: {a: 1}", "env.kwargs.a"),
     ],
     ids=["network", "environment"],
@@ -165,10 +165,10 @@ def test_resume_says_which_other_settings_were_changed(
     run = tmp_path / "run"
     shutil.copytree(finished, run)
     config = yaml.safe_load((run / "config.yaml").read_text())
-    config["ppo"]["clip_range"] = 0.1
+    config["arguments"]["clip_range"] = 0.1
     (run / "config.yaml").write_text(yaml.safe_dump(config))
     assert train("--resume", run, "--steps", 1280) == 0
-    assert "changed since the run began: ppo.clip_range\n" in capsys.readouterr().out
+    assert "changed since the run began: arguments.clip_range\n" in capsys.readouterr().out
 
 
 def test_resume_unpickles_nothing(finished: Path, tmp_path: Path) -> None:
@@ -207,7 +207,7 @@ def test_damaged_checkpoint_is_named(
     ("arguments", "message"),
     [
         (["--steps", "0"], "steps is 0"),
-        (["--n-envs", "3"], "ppo.batch_size"),
+        (["--n-envs", "3"], "arguments.batch_size"),
         (["nowhere.yaml"], "nowhere.yaml"),
         (["nowhere"], "demo, plain_ppo, ppo, recurrent_ppo, sac, tqc"),
         (["--resume", "runs/a", "sac"], "CONFIG"),
@@ -351,7 +351,7 @@ def test_finished_seeds_are_skipped_unfinished_ones_go_on_and_settings_are_not_m
         assert run.open().seed == seed and [row["steps"] for row in evaluations(run.path)] == steps
     tiny_config.write_text(tiny_config.read_text().replace("n_steps: 32", "n_steps: 16"))
     assert train(*command, "0-1") == 2
-    assert "(ppo)" in capsys.readouterr().err
+    assert "(arguments)" in capsys.readouterr().err
     assert not (tmp_path / "study-seed0").exists(), "nothing is begun if one folder has other settings"
 
 

@@ -6,6 +6,8 @@ import pytest
 
 from jawenv.base.errors import InputError
 from jawenv.base.seeds import VALIDATION
+from training.run.algorithms import algorithm_class
+from training.run.arguments import parameters_of
 from training.run.config import DEFAULT_CONFIG, Residual, TrainingConfig, asked_for, config_file
 
 
@@ -16,28 +18,27 @@ def load(tmp_path: Path, text: str) -> TrainingConfig:
 
 
 def test_default_file_spells_out_every_default() -> None:
-    """It moves the jaw by motors, and in all else by default."""
-    assert TrainingConfig.load(DEFAULT_CONFIG) == TrainingConfig(env={"kwargs": {"control": "force"}})
+    """It moves the jaw by motors, with arguments of its own, and in all else by default."""
+    config = TrainingConfig.load(DEFAULT_CONFIG)
+    assert config == TrainingConfig(env={"kwargs": {"control": "force"}}, arguments=config.arguments)
+    assert config.model_fields_set == TrainingConfig.model_fields.keys()
 
 
 @pytest.mark.parametrize("path", sorted(DEFAULT_CONFIG.parent.glob("*.yaml")), ids=lambda path: path.stem)
-def test_shipped_files_are_valid_and_saved_with_the_section_of_their_algorithm_alone(
-    tmp_path: Path, path: Path
-) -> None:
+def test_shipped_files_are_valid_and_name_arguments_of_their_class(tmp_path: Path, path: Path) -> None:
     config = TrainingConfig.load(path)
     assert config.evaluation.seed in VALIDATION and config.evaluation.every_steps <= config.steps
     config.save(tmp_path / "saved.yaml")
     assert TrainingConfig.load(tmp_path / "saved.yaml") == config
-    sections = [name for name in ("apg", "ppo", "recurrent_ppo", "sac", "tqc") if name in config.as_mapping()]
-    assert sections == [config.algorithm]
+    assert config.arguments.keys() <= parameters_of(algorithm_class(config.algorithm)).keys()
 
 
 def test_a_file_and_changes_keep_all_else() -> None:
     demo = TrainingConfig.load(config_file("demo"))
-    changed = demo.changed(seed=5, steps=None, ppo={"network": {"policy": [8]}})
-    assert changed.ppo.network.policy == (8,) and changed.seed == 5 and changed.steps == demo.steps
-    network = changed.ppo.network.model_copy(update={"policy": demo.ppo.network.policy})
-    assert changed.ppo.model_copy(update={"network": network}) == demo.ppo
+    changed = demo.changed(seed=5, steps=None, network={"policy": [8]}, arguments={"gamma": 0.5})
+    assert changed.network.policy == (8,) and changed.seed == 5 and changed.steps == demo.steps
+    assert changed.network.model_copy(update={"policy": demo.network.policy}) == demo.network
+    assert changed.arguments == {**demo.arguments, "gamma": 0.5}
 
 
 def test_the_command_line_wins_over_the_file() -> None:
@@ -63,29 +64,39 @@ def test_a_limit_on_discomfort_takes_the_place_of_its_price_and_a_file_that_of_a
 
 
 @pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("algorithm: recurrent_ppo", "algorithm is 'recurrent_ppo'; allowed: the class RecurrentPPO"),
+        ("sac: {gamma: 0.9}", "section 'sac' is unknown; allowed: 'arguments' of SAC, and 'network'"),
+    ],
+)
+def test_sections_of_algorithms_are_led_to_their_arguments(tmp_path: Path, text: str, told: str) -> None:
+    with pytest.raises(InputError, match="config.yaml: " + told):
+        load(tmp_path, text)
+
+
+@pytest.mark.parametrize(
     "text",
     [
         "stepps: 3",
-        "ppo: {learning_rate: {start: 1}}",
-        "ppo: {gamma: 1.5}",
-        "ppo: {gamma: .nan}",
+        "arguments: 3",
+        "arguments: {gamma: 2020-01-01}",
         "steps: many",
         "steps: -1",
-        "ppo: {network: {activation: sine}}",
-        "ppo: {batch_size: 1000}",
+        "network: {activation: sine}",
+        "network: {units: [8]}",
         "evaluation: {seed: 12}",
         "evaluation: {seed: 39990, patients: 11}",
         "env: {kwargs: {num_envs: 3}}",
         "env: {kwargs: {model: sides}}",
-        "algorithm: dqn",
-        "algorithm: sac\nppo: {}",
-        "algorithm: sac\nsac: {gamma: 2}",
-        "algorithm: tqc\ntqc: {units: 2}",
+        "algorithm: 3",
+        "algorithm: sac",
+        "algorithm: SAC\nppo: {}",
         "residual: {scale: 1}",
         "comfort: {}\nenv: {kwargs: {comfort_weight: 3}}",
         "comfort: {target_discomfort_s: 0}",
         "[1, 2]",
-        "ppo: [",
+        "arguments: [",
     ],
 )
 def test_mistakes_get_one_line_that_names_them(tmp_path: Path, text: str) -> None:

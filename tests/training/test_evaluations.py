@@ -12,7 +12,7 @@ from jawenv.base.progress import Progress
 from jawenv.sb3 import NativeVecEnv
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig
-from training.run.evaluations import Evaluation, Evaluations, evaluate
+from training.run.evaluations import FEW, Evaluation, Evaluations, evaluate
 from training.run.folder import RunFolder
 
 
@@ -101,7 +101,8 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
     evaluations = Evaluations(
         RunFolder(tmp_path),
         None,
-        None,
+        worlds(),
+        worlds(),
         lambda: None,
         progress,
         largest_discomfort_s=0.05,  # type: ignore[arg-type]
@@ -154,3 +155,21 @@ def test_reward_is_less_by_price_times_discomfort_also_in_the_last_step() -> Non
             episode_cost += infos[i]["episode"]["cost"]
             spent[i] = 0.0
     assert episode_cost > 0.5
+
+
+def test_the_beginning_is_played_by_few_patients_and_compared_with_on_these(tmp_path: Path) -> None:
+    many = NativeVecEnv(PointVectorEnv(FEW + 4, "same_step"))
+    outcome = evaluate(Policy(lambda observation: -observation[:, :2]), many, seed=20_000)
+    assert outcome is not None
+    averages = outcome.averages()
+    assert averages["return_few"] == outcome.figures["return"][:FEW].mean() != averages["return"]
+    progress = Progress(1, "steps", Console(quiet=True))
+    evaluations = Evaluations(RunFolder(tmp_path), None, worlds(), worlds(), lambda: None, progress)  # type: ignore[arg-type]
+    for steps, mean_return, of_few, better in (
+        (0, 10.0, 10.0, True),
+        (1, 30.0, 9.0, False),  # others are easier
+        (2, 8.0, 11.0, True),
+        (3, 9.0, 1.0, True),  # from now on all of them count
+    ):
+        row = {"steps": steps, "return": mean_return, "return_few": of_few}
+        assert evaluations._compare(row) is better, row

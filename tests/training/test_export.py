@@ -124,3 +124,16 @@ def test_what_a_card_says_cannot_break_the_page() -> None:
     assert header["model-index"][0]["name"] == 'größe "y'
     assert header["model-index"][0]["results"][0]["metrics"][0]["name"] == flat and flat in header["tags"]
     assert "<h1>no" not in markdown(text.split("---\n", 2)[2])
+
+
+def test_evaluations_come_along(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    output, table = tmp_path / "shared", "steps,return\n0,1.5\n64,2.5\n"
+    (run / "evaluations.csv").write_text(table)
+    assert export(run, output) == 0
+    assert (output / "evaluations.csv").read_text() == table
+    (run / "evaluations.csv").write_text("steps\nmany\n")
+    assert "evaluations.csv is damaged" in refused(capsys, run, output, "--overwrite")
+    assert (output / "evaluations.csv").read_text() == table
+    (run / "evaluations.csv").unlink()
+    assert export(run, output, "--overwrite") == 0
+    assert not (output / "evaluations.csv").exists()

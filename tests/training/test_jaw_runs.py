@@ -22,13 +22,14 @@ from training.run.export import config_sha256
 from training.run.folder import RunFolder
 
 CONFIG = """
-algorithm: sac
+algorithm: SAC
 steps: 60
 n_envs: 2
 env: {kwargs: {control: targets, reward: mixed, episode_s: 2.0, knowledge: BODY}}
 residual: {maneuver: opening_with_swings, scale: 0.5}
 comfort: {target_discomfort_s: 0.05, initial_multiplier: 20.0, rate: 0.1, episodes: 2}
-sac: {learning_starts: 20, batch_size: 16, gradient_steps: 1, network: {units: [8], initial_action_scale: 1.0e-6}}
+arguments: {learning_starts: 20, batch_size: 16, gradient_steps: 1, ent_coef: auto_0.05}
+network: {policy: [8], value: [8], activation: relu, initial_action_scale: 1.0e-6}
 evaluation: {every_steps: 1000, patients: 2}
 """.replace("BODY", json.dumps(BODY))
 WORLD = {
@@ -85,7 +86,7 @@ def test_the_best_policy_has_a_card(trained: RunFolder) -> None:
     assert card.environment.kwargs().items() >= ENV.items() and card.environment.id == "jawenv/Jaw-v3"
     assert card.residual is not None and card.residual.scale == 0.5
     assert card.residual.maneuver == Maneuver.load(trained.path / BASE_FILE) == Maneuver.named("refined")
-    assert (card.algorithm, card.seed, card.steps in (0, 60)) == ("sac", config.seed, True)
+    assert (card.algorithm, card.seed, card.steps in (0, 60)) == ("SAC", config.seed, True)
     assert card.config_sha256 == config_sha256(trained.config_file)
     assert len(card.commands) == 1
 

@@ -20,13 +20,14 @@ from training.run.pathwise import APG, UNSEEN
 from training.run.train import TrainingSession, base_targets
 
 CONFIG = """
-algorithm: apg
+algorithm: APG
 steps: 40
 n_envs: 4
 env: {kwargs: {control: targets, reward: worst, comfort_weight: 0.0, episode_s: 2.0}}
 residual: {maneuver: refined_one_sided, scale: 0.5}
 comfort: {target_discomfort_s: 0.1, episodes: 4}
-apg: {n_steps: 10, network: {policy: [8], value: []}}
+arguments: {n_steps: 10}
+network: {policy: [8], value: [], initial_action_scale: 0.1}
 evaluation: {every_steps: 1000, patients: 2}
 """
 

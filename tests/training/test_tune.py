@@ -18,11 +18,13 @@ SAC = {"learning_rate": 1e-3, "gamma": 0.98, "gradient_steps": 5, "units": 64, "
 def test_what_is_suggested_reaches_the_configuration(name: str, values: dict[str, float]) -> None:
     config = TrainingConfig.load(config_file(name))
     trial = suggest(FixedTrial(values, number=3), config)
-    assert trial.section.gamma == 0.98 and trial.section.learning_rate.initial == 1e-3 and trial.seed == 3
+    arguments: dict = trial.arguments
+    assert arguments["gamma"] == 0.98 and arguments["learning_rate"]["initial"] == 1e-3 and trial.seed == 3
+    assert arguments.keys() == config.arguments.keys()
     assert trial.residual is not None and trial.residual.scale == 0.3
     assert trial.env == config.env and trial.evaluation == config.evaluation
     if name in ("sac", "tqc"):
-        assert trial.section.gradient_steps == 5 and trial.section.network.units == (64, 64)  # type: ignore[union-attr]
+        assert arguments["gradient_steps"] == 5 and trial.network.policy == trial.network.value == (64, 64)
 
 
 def test_study_goes_on_to_the_trials_wanted(

@@ -1,94 +1,98 @@
-"""The models of each algorithm: untrained, as its section of the configuration describes them, and as plain weights."""
+"""The models of each algorithm: untrained, as a configuration describes them, and as plain weights."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+import sb3_contrib
+import stable_baselines3
 import torch
-from sb3_contrib import TQC, RecurrentPPO
-from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.utils import LinearSchedule
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
+from stable_baselines3.common.torch_layers import FlattenExtractor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from jawenv.base.errors import InputError
+from jawenv.base.errors import InputError, not_among
+from jawenv.base.named_objects import import_named, is_named, reason
 from jawenv.playing.policies.card import Architecture
-from training.run.algorithm_configs import (
-    APGConfig,
-    LSTMNetworkConfig,
-    NetworkConfig,
-    PPOConfig,
-    SACConfig,
-    TQCConfig,
-)
-from training.run.config import TrainingConfig
+from training.run.arguments import arguments_of
+from training.run.config import NetworkConfig, TrainingConfig
+from training.run.features import OwnFeatures
 from training.run.pathwise import APG
 
-ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
-    "ppo": PPO,
-    "recurrent_ppo": RecurrentPPO,
-    "sac": SAC,
-    "tqc": TQC,
-    "apg": APG,
+KINDS = (OnPolicyAlgorithm, OffPolicyAlgorithm)
+ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"APG": APG} | {
+    name: value
+    for library in (stable_baselines3, sb3_contrib)
+    for name, value in vars(library).items()
+    if isinstance(value, type) and issubclass(value, KINDS)
 }
-_BUILT = {"learning_rate", "network"}
 ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU, "elu": torch.nn.ELU}
+
+
+def algorithm_class(name: str) -> type[BaseAlgorithm]:
+    """The class that a configuration names; one of the user's is imported, which runs its module."""
+    if not is_named(name):
+        if name not in ALGORITHMS:
+            raise not_among("algorithm", name, sorted(ALGORITHMS), ", my_module:Name")
+        return ALGORITHMS[name]
+    kind = import_named(name, "algorithm")
+    if not isinstance(kind, type) or not issubclass(kind, KINDS):
+        raise InputError(f"algorithm is {name!r}; allowed: a subclass of {' or '.join(one.__name__ for one in KINDS)}")
+    return kind
 
 
 def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
     """The untrained model that the configuration describes."""
-    section = config.section
-    specific = _off_policy(section) if isinstance(section, SACConfig) else _on_policy(section)
-    algorithm: Any = ALGORITHMS[config.algorithm]
-    model: BaseAlgorithm = algorithm(
-        "MlpLstmPolicy" if config.algorithm == "recurrent_ppo" else "MlpPolicy",
-        worlds,
-        learning_rate=LinearSchedule(section.learning_rate.initial, section.learning_rate.final, 1.0),
-        stats_window_size=worlds.num_envs,
-        device=_device(config.device),
-        seed=config.seed,
-        **specific,
-    )
-    _scale_last_layer(model, section.network.initial_action_scale)
+    kind: Any = algorithm_class(config.algorithm)
+    arguments, device = arguments_of(config, kind), _device(config.device)
+    policy = arguments.pop("policy_kwargs", None) or {}
+    try:
+        model: BaseAlgorithm = kind(
+            next(iter(kind.policy_aliases)),  # the perceptron, with a memory if the class has one
+            worlds,
+            stats_window_size=worlds.num_envs,
+            device=device,
+            seed=config.seed,
+            policy_kwargs=_network(config.network, kind) | policy,
+            **arguments,
+        )
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # a class refuses what it cannot use with any error
+        raise InputError(f"algorithm {config.algorithm}: cannot be made: {reason(error)}") from error
+    _scale_last_layer(model, config.network.initial_action_scale)
     return model
 
 
-def _on_policy(section: PPOConfig | APGConfig) -> dict[str, Any]:
-    """Arguments that PPO, with or without memory, and APG have of their own."""
-    return section.model_dump(exclude=_BUILT) | {"policy_kwargs": _network(section.network)}
-
-
-def _network(network: NetworkConfig) -> dict[str, Any]:
+def _network(network: NetworkConfig, kind: type[BaseAlgorithm]) -> dict[str, Any]:
+    """The policy's own arguments."""
+    on_policy = issubclass(kind, OnPolicyAlgorithm)
+    if network.final_log_std is not None and not on_policy:
+        raise InputError(
+            f"network.final_log_std is {network.final_log_std}; allowed: null, as {kind.__name__} has none"
+        )
     arguments: dict[str, Any] = {
-        "net_arch": {"pi": list(network.policy), "vf": list(network.value)},
+        "net_arch": {"pi": list(network.policy), "vf" if on_policy else "qf": list(network.value)},
         "activation_fn": ACTIVATIONS[network.activation],
-        "log_std_init": network.initial_log_std,
     }
-    if isinstance(network, LSTMNetworkConfig):
-        arguments["lstm_hidden_size"] = network.lstm_units
+    if on_policy:
+        arguments["log_std_init"] = network.initial_log_std
+    if network.features is not None:
+        arguments |= {
+            "features_extractor_class": OwnFeatures,
+            "features_extractor_kwargs": {"function": network.features},
+        }
     return arguments
-
-
-def _off_policy(sac: SACConfig) -> dict[str, Any]:
-    """Arguments that SAC and TQC have of their own."""
-    policy: dict[str, Any] = {
-        "net_arch": list(sac.network.units),
-        "activation_fn": ACTIVATIONS[sac.network.activation],
-    }
-    of_critics = {"n_critics", "n_quantiles"}
-    arguments = sac.model_dump(exclude=_BUILT | of_critics | {"dropped_quantiles"}) | {"train_freq": 1}
-    if isinstance(sac, TQCConfig):
-        policy |= sac.model_dump(include=of_critics)
-        arguments["top_quantiles_to_drop_per_net"] = sac.dropped_quantiles
-    return arguments | {"policy_kwargs": policy}
 
 
 def _scale_last_layer(model: BaseAlgorithm, scale: float) -> None:
     """Make the first actions smaller, so that a residual begins as its maneuver."""
     if scale == 1.0:
         return
-    layer: Any = _layers(model)[-1]
+    layer: Any = [layer for layer in _layers(model) if isinstance(layer, torch.nn.Linear)][-1]
     with torch.no_grad():
         layer.weight.mul_(scale)
         layer.bias.zero_()
@@ -104,24 +108,34 @@ def _device(name: str) -> torch.device:
     return device
 
 
-def plain_policy(model: BaseAlgorithm, config: TrainingConfig) -> tuple[Architecture, dict[str, np.ndarray]]:
+def plain_policy(model: BaseAlgorithm, config: TrainingConfig) -> tuple[Architecture, dict[str, np.ndarray]] | None:
     """The network of a model that leads from an observation to the action without chance, and its weights.
 
-    The weights have the names and shapes of `Architecture.shapes`, in single precision.
+    The weights have the names and shapes of `Architecture.shapes`, in single precision. None if a card describes no
+    such network: one that sees features of one's own, or has other layers than perceptrons behind one LSTM.
     """
     policy: Any = model.policy
-    layers = [layer for layer in _layers(model) if isinstance(layer, torch.nn.Linear)]
-    tensors = {f"layers.{i}.{name}": getattr(layer, name) for i, layer in enumerate(layers) for name in _PARTS}
-    sizes = [layers[0].in_features, *(layer.out_features for layer in layers)]
-    lstm = getattr(policy, "lstm_actor", None)
+    squash, lstm = policy.squash_output, getattr(policy, "lstm_actor", None)
+    seen = getattr(policy, "features_extractor", None) or getattr(policy.actor, "features_extractor", None)
+    layers = _layers(model)
+    if squash and isinstance(layers[-1], torch.nn.Tanh):
+        layers = layers[:-1]
+    known = (torch.nn.Linear, ACTIVATIONS[config.network.activation])
+    if type(seen) is not FlattenExtractor or any(type(layer) not in known for layer in layers):
+        return None
+    if lstm is not None and lstm.num_layers > 1:
+        return None
+    linear = [layer for layer in layers if isinstance(layer, torch.nn.Linear)]
+    tensors = {f"layers.{i}.{name}": getattr(layer, name) for i, layer in enumerate(linear) for name in _PARTS}
+    sizes = [linear[0].in_features, *(layer.out_features for layer in linear)]
     if lstm is not None:
         sizes[0] = lstm.input_size
         bias = lstm.bias_ih_l0 + lstm.bias_hh_l0
         tensors |= {"lstm.input": lstm.weight_ih_l0, "lstm.hidden": lstm.weight_hh_l0, "lstm.bias": bias}
     architecture = Architecture(
         layers=tuple(sizes),
-        activation=config.section.network.activation,
-        squash="tanh" if policy.squash_output else "clip",
+        activation=config.network.activation,
+        squash="tanh" if squash else "clip",
         lstm_units=None if lstm is None else lstm.hidden_size,
     )
     weights = {name: np.array(values.detach().cpu().numpy(), np.float32, order="C") for name, values in tensors.items()}
@@ -132,8 +146,10 @@ _PARTS = ("weight", "bias")
 
 
 def _layers(model: BaseAlgorithm) -> list[torch.nn.Module]:
-    """Layers and activations from observation, or memory, to action."""
+    """Layers and activations from what the networks see, or memory, to action."""
     policy: Any = model.policy
-    if isinstance(model, SAC | TQC):
-        return [*policy.actor.latent_pi, policy.actor.mu]
-    return [*policy.mlp_extractor.policy_net, policy.action_net]
+    if isinstance(model, OnPolicyAlgorithm):
+        return [*policy.mlp_extractor.policy_net, policy.action_net]
+    actor = policy.actor
+    last = actor.mu if isinstance(actor.mu, torch.nn.Sequential) else [actor.mu]
+    return [*getattr(actor, "latent_pi", ()), *last]

@@ -17,7 +17,6 @@ import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
 
 from jawenv.base.progress import Progress
-from training.run.algorithm_configs import PPOConfig
 from training.run.config import ComfortConfig, TrainingConfig
 from training.run.folder import RunFolder
 
@@ -143,10 +142,9 @@ class Upkeep(BaseCallback):
 
     def _lower_noise(self) -> None:
         """Set the logarithm of the actions' sd where it falls linearly over the run and is not learned."""
-        section = self._config.section
-        if not isinstance(section, PPOConfig) or section.network.final_log_std is None:
+        first, last = self._config.network.initial_log_std, self._config.network.final_log_std
+        if last is None:
             return
-        first, last = section.network.initial_log_std, section.network.final_log_std
         log_std: Any = self.model.policy.log_std
         log_std.requires_grad_(False)
         log_std.fill_(first + min(1.0, self.model.num_timesteps / self._config.steps) * (last - first))

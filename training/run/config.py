@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self
 
 import yaml
 from pydantic import Field, JsonValue, model_validator
@@ -15,15 +15,6 @@ from jawenv.base.seeds import VALIDATION
 from jawenv.ladder import DEFAULT_ENV, env_id_of, title_of_env
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import SUFFIXES as MANEUVER_FILES
-from training.run.algorithm_configs import (
-    APGConfig,
-    PositiveInt,
-    PositiveNumber,
-    PPOConfig,
-    RecurrentPPOConfig,
-    SACConfig,
-    TQCConfig,
-)
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 DEFAULT_CONFIG = CONFIGS / "plain_ppo.yaml"
@@ -31,7 +22,11 @@ SUFFIXES = (".yaml", ".yml", ".json", ".toml")
 BASE_FILE = "base_maneuver.json"
 """Copy of the maneuver in a run's folder, as the policy was trained on it."""
 
-Algorithm = Literal["ppo", "recurrent_ppo", "sac", "tqc", "apg"]
+PositiveInt = Annotated[int, Field(gt=0, strict=True)]
+PositiveNumber = Annotated[Number, Field(gt=0.0)]
+Activation = Literal["tanh", "relu", "elu"]
+_NAMED = {"ppo": "PPO", "recurrent_ppo": "RecurrentPPO", "sac": "SAC", "tqc": "TQC", "apg": "APG"}
+"""Sections that an algorithm's arguments do not stand in -> its class."""
 
 
 class EnvConfig(InputModel):
@@ -63,6 +58,26 @@ class Residual(InputModel):
             return Maneuver.load(folder / BASE_FILE)
         is_file = Path(self.maneuver).suffix in MANEUVER_FILES
         return Maneuver.load(self.maneuver) if is_file else Maneuver.named(self.maneuver)
+
+
+class Schedule(InputModel):
+    """An argument that falls linearly over the whole run, as the step size of Adam."""
+
+    initial: PositiveNumber
+    final: Annotated[Number, Field(ge=0.0)] = 0.0
+
+
+class NetworkConfig(InputModel):
+    """Separate perceptrons: the policy, and its value function or critics."""
+
+    policy: tuple[PositiveInt, ...] = (64, 64)  # units of each hidden layer
+    value: tuple[PositiveInt, ...] = (64, 64)  # units of each hidden layer
+    activation: Activation = "tanh"  # between layers
+    features: str | None = None  # my_module:function of rows (N, size), which the networks see in their place
+    initial_log_std: Number = -0.5  # natural log of the sd of the actions at the start, on-policy
+    final_log_std: Number | None = None  # where it falls to, linearly over the run; null leaves it to the learning
+    initial_action_scale: PositiveNumber = 1.0
+    """Factor of the last layer's initial weights; below 1 the first actions are near to 0."""
 
 
 class ComfortConfig(InputModel):
@@ -106,12 +121,9 @@ class CheckpointConfig(InputModel):
 
 
 class TrainingConfig(InputModel):
-    """One training run. Its defaults equal ``configs/plain_ppo.yaml``, which gives the reasons for them.
+    """One training run. Its defaults equal ``configs/plain_ppo.yaml``, which gives the reasons for them."""
 
-    Only the section of the algorithm that is chosen counts, and only that one may be given.
-    """
-
-    algorithm: Algorithm = "ppo"
+    algorithm: str = "PPO"  # class of stable-baselines3 or sb3-contrib, APG, or my_module:Name
     seed: Annotated[int, Field(ge=0, lt=2**31, strict=True)] = 0
     steps: PositiveInt = 3_000_000
     n_envs: PositiveInt = 128
@@ -120,40 +132,31 @@ class TrainingConfig(InputModel):
     env: EnvConfig = EnvConfig()
     residual: Residual | None = None
     comfort: ComfortConfig | None = None
-    ppo: PPOConfig = PPOConfig()
-    recurrent_ppo: RecurrentPPOConfig = RecurrentPPOConfig()
-    sac: SACConfig = SACConfig()
-    tqc: TQCConfig = TQCConfig()
-    apg: APGConfig = APGConfig()
+    arguments: dict[str, JsonValue] = {}  # of that class; those left out are as the class has them
+    network: NetworkConfig = NetworkConfig()
     evaluation: EvaluationConfig = EvaluationConfig()
     checkpoints: CheckpointConfig = CheckpointConfig()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _names_classes(cls, data: Any) -> Any:
+        for name, named in _NAMED.items() if isinstance(data, Mapping) else ():
+            if name in data:
+                raise ValueError(f"section {name!r} is unknown; allowed: 'arguments' of {named}, and 'network'")
+            if data.get("algorithm") == name:
+                raise ValueError(f"algorithm is {name!r}; allowed: the class {named}, with 'arguments' and 'network'")
+        return data
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        for name in get_args(Algorithm):
-            if name != self.algorithm and name in self.model_fields_set:
-                raise ValueError(f"section {name!r} does not belong to algorithm {self.algorithm!r}")
-        section = self.section
-        if isinstance(section, PPOConfig) and self.n_envs * section.n_steps % section.batch_size:
-            name = self.algorithm
-            raise ValueError(
-                f"n_envs x {name}.n_steps is {self.n_envs} x {section.n_steps} = {self.n_envs * section.n_steps}; "
-                f"allowed: a multiple of {name}.batch_size, {section.batch_size}"
-            )
         weight = self.env.kwargs.get("comfort_weight", 0.0)
         if self.comfort is not None and weight != 0.0:
             raise ValueError(f"env.kwargs.comfort_weight is {shown(weight)}; allowed: 0 where comfort learns its price")
         return self
 
-    @property
-    def section(self) -> PPOConfig | SACConfig | APGConfig:
-        """The settings of the algorithm."""
-        section: PPOConfig | SACConfig | APGConfig = getattr(self, self.algorithm)
-        return section
-
     def as_mapping(self) -> dict[str, Any]:
-        """All values, defaults included, as plain types; without the sections of other algorithms."""
-        return self.model_dump(mode="json", exclude=set(get_args(Algorithm)) - {self.algorithm})
+        """All values, defaults included, as plain types."""
+        return self.model_dump(mode="json")
 
     def changed(self, **values: Any) -> TrainingConfig:
         """The same run with some values replaced, in mappings the named ones; None leaves a value as it is."""

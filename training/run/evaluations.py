@@ -19,10 +19,14 @@ from training.run.config import EvaluationConfig
 from training.run.folder import RunFolder
 
 CONFIDENCE = 0.95
+BEGINNING = "the movement that it begins with"
+FEW = 16
+"""Patients of the evaluation before the first update, the first ones of the others."""
 MEDIANS = ("worst_sd", "worst_sd_10s")
 """Figures by the median over patients, since a few stiff patients would rule the mean."""
 COLUMNS = (
     "return",
+    "return_few",
     "return_sampled",
     "return_sd",
     "worst_sd",
@@ -32,6 +36,7 @@ COLUMNS = (
     "worst_sd_10s_low",
     "worst_sd_10s_high",
     "discomfort_s",
+    "discomfort_s_few",
     "information_claimed",
     "information_true",
     "violation",
@@ -56,6 +61,8 @@ class Evaluation:
         about the patients (David & Nagaraja 2003, section 7.1).
         """
         averages = {name: float(values.mean()) for name, values in self.figures.items()}
+        for name in self.figures.keys() & {"return", "discomfort_s"}:
+            averages[f"{name}_few"] = float(self.figures[name][:FEW].mean())
         for name in self.figures.keys() & set(MEDIANS):
             values = np.sort(self.figures[name])
             cut = max(int(binom.ppf((1.0 - CONFIDENCE) / 2.0, len(values), 0.5)) - 1, 0)
@@ -116,18 +123,19 @@ class Evaluations(BaseCallback):
     """Tries the policy on the validation cohort every so many steps, and keeps the best one.
 
     Each time it plays twice: with the most likely actions, which all figures but ``return_sampled`` are of, and with
-    drawn ones. The first row of ``evaluations.csv`` is the untrained policy, the last the final one.
+    drawn ones. The first row of ``evaluations.csv`` is the untrained policy on the first `FEW` patients, so that the
+    learning begins soon, and the next ones are compared with it on these. The last row is the final policy.
 
     Args:
         run: where the table goes.
         config: how often, and on whom.
         worlds: one world per patient, for evaluation only.
+        few: the same for the first `FEW` of these patients.
         keep: writes the policy as it is now, as the run's best.
         progress: shows the best so far.
         interrupted: an evaluation is given up when it says True.
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
         report: called with steps and row of each evaluation.
-        began_with: what the untrained policy plays, in words.
         sampled: whether it also plays with drawn actions, as an algorithm learns from.
 
     Attributes:
@@ -140,23 +148,22 @@ class Evaluations(BaseCallback):
         run: RunFolder,
         config: EvaluationConfig,
         worlds: VecEnv,
+        few: VecEnv,
         keep: Callable[[], None],
         progress: Progress,
         *,
         interrupted: Callable[[], bool] = lambda: False,
         largest_discomfort_s: float | None = None,
         report: Report | None = None,
-        began_with: str = "the untrained policy",
         sampled: bool = True,
     ) -> None:
         super().__init__()
         self._sampled = sampled
-        self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
+        self._run, self._config, self._worlds, self._few, self._keep = run, config, worlds, few, keep
         self._progress, self._interrupted, self._report = progress, interrupted, report
         self._limit = largest_discomfort_s
         self.best: tuple[_PolicyScore, int] | None = None
-        self._first: _PolicyScore | None = None
-        self._began_with = began_with
+        self._first: tuple[_PolicyScore, int] | None = None
         self.last: int | None = None
         for row in read_evaluations(run.path):
             self.last = int(row["steps"])
@@ -166,21 +173,24 @@ class Evaluations(BaseCallback):
         self._show_best()
 
     def _on_rollout_start(self) -> None:
-        if self.last is None or self.model.num_timesteps - self.last >= self._config.every_steps:
-            self.evaluate()
+        if self.last is None:
+            self._progress.say(f"evaluating {BEGINNING} on {self._few.num_envs} patients")
+            self.evaluate(self._few)
+        elif self.model.num_timesteps - self.last >= self._config.every_steps:
+            self.evaluate(self._worlds)
 
     def _on_step(self) -> bool:
         return True
 
     def _on_training_end(self) -> None:
         if self.last != self.model.num_timesteps and not self._interrupted():
-            self.evaluate()
+            self.evaluate(self._worlds)
 
-    def evaluate(self) -> None:
+    def evaluate(self, worlds: VecEnv) -> None:
         """Evaluate now: add a row to the table, and keep the policy if it is the best."""
         self._progress.note("activity", "evaluating")
         kinds = (True, False) if self._sampled else (True,)
-        played = [evaluate(self.model, self._worlds, self._config.seed, likely, self._interrupted) for likely in kinds]
+        played = [evaluate(self.model, worlds, self._config.seed, likely, self._interrupted) for likely in kinds]
         self._progress.note("activity", "")
         outcome, sampled = played[0], played[-1]
         if outcome is None or sampled is None:
@@ -204,14 +214,22 @@ class Evaluations(BaseCallback):
 
     def _compare(self, row: dict[str, float]) -> bool:
         """Whether a row is the best so far; then it is kept as that."""
-        score = _PolicyScore(True, row["return"])
-        if self._limit is not None and row.get("discomfort_s", 0.0) > self._limit:
-            score = _PolicyScore(False, -row["discomfort_s"])
-        self._first = self._first or score
-        if self.best is not None and score <= self.best[0]:
-            return False
-        self.best = (score, int(row["steps"]))
+        steps, score = int(row["steps"]), self._score(row)
+        if self._first is None:
+            self._first = (score, steps)
+        if self.best is not None:
+            compared = self._score(row, "_few") if self.best == self._first else score
+            if compared <= self.best[0]:
+                return False
+        self.best = (score, steps)
         return True
+
+    def _score(self, row: dict[str, float], of: str = "") -> _PolicyScore:
+        """Score of a row, or of its few patients, which older tables have not."""
+        gain, discomfort = (row.get(f"{name}{of}", row.get(name, 0.0)) for name in ("return", "discomfort_s"))
+        if self._limit is not None and discomfort > self._limit:
+            return _PolicyScore(False, -discomfort)
+        return _PolicyScore(True, gain)
 
     def _add(self, row: dict[str, float]) -> None:
         """Add a row to the table, which keeps its columns when a run goes on."""
@@ -228,7 +246,8 @@ class Evaluations(BaseCallback):
         if self.best is None or self._first is None:
             return
         score, steps = self.best
-        said = f"as good as {self._began_with}, so far: {score.in_words()}"
+        said = f"as good as {BEGINNING}, so far: {score.in_words()}"
         if steps:
-            said = f"best: {score.in_words()} at {steps:,}; {self._began_with} had {self._first.in_words()}"
+            first = f"{self._first[0].in_words()} on {self._few.num_envs} patients"
+            said = f"best: {score.in_words()} at {steps:,}; {BEGINNING} had {first}"
         self._progress.note("best", said)

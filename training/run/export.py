@@ -14,9 +14,12 @@ import yaml
 from safetensors.numpy import save
 
 import jawenv
+from agents.evaluations import FILE as EVALUATIONS
+from agents.evaluations import read_evaluations
 from jawenv.base.errors import InputError
 from jawenv.base.files import read_mapping, read_model, write_text
 from jawenv.base.locks import alone
+from jawenv.base.reading import read_text
 from jawenv.playing.policies.card import (
     CARD,
     WEIGHTS,
@@ -101,7 +104,7 @@ def export(
     command: str = "",
     overwrite: bool = False,
 ) -> ModelCard:
-    """Write a run's best policy, and its card with results, into a folder of its own.
+    """Write a run's best policy, its card with results, and its evaluations into a folder of its own.
 
     Args:
         run: the run.
@@ -114,10 +117,15 @@ def export(
     Returns:
         The card as written.
     """
-    run.open()
+    run.check_holds_run()
+    if run.best_model.exists():
+        raise InputError(
+            f"{run.best_model}: a card describes no such environment or network; allowed: a run that has {CARD}"
+        )
     card_of_run = read_card(run.path)
     weights = read_weights(run.path, card_of_run)
     reached = () if results is None else read_model(results, ResultsFile).results
+    evaluated = read_text(run.evaluations) if read_evaluations(run.path) else None
     today = datetime.now(UTC).date()
     changes = {"results": reached, "licence": licence, "date": today, "commands": (*card_of_run.commands, command)}
     card = ModelCard(**(dict(card_of_run) | changes))
@@ -128,6 +136,9 @@ def export(
         except OSError as error:
             raise InputError(f"output {output}: cannot be made: {error.strerror}") from None
         write_text(output / README, readme(output.resolve().name, card))
+        (output / EVALUATIONS).unlink(missing_ok=True)
+        if evaluated is not None:
+            write_text(output / EVALUATIONS, evaluated)
         write_policy(output, weights, card)
     return card
 
@@ -146,7 +157,7 @@ def _check_free(output: Path, overwrite: bool) -> None:
         present = {path.name for path in output.iterdir()} if output.exists() else set()
     except OSError as error:
         raise InputError(f"output {output}: cannot be read: {error.strerror}") from None
-    if present - {CARD, WEIGHTS, README}:
+    if present - {CARD, WEIGHTS, README, EVALUATIONS}:
         raise InputError(f"output {output} is a folder that holds something other than an exported policy")
     if CARD in present and not overwrite:  # weights alone were left by an export that was stopped
         raise InputError(f"output {output} already holds an exported policy; replace it with --overwrite")

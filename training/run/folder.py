@@ -6,7 +6,7 @@
                 repeat.json        command lines, seeds, versions, git commit, machine
                 base_maneuver.json the maneuver that the policy corrects, if it is a residual
                 card.json          model card of the policy with the best evaluation, and
-                policy.safetensors its weights (in an environment that is not of jawenv: best_model.zip)
+                policy.safetensors its weights (of another environment or network: best_model.zip)
                 checkpoints/       step_<steps>.zip, the latest few, to go on from
                 evaluations.csv    every evaluation on the validation cohort
                 tensorboard/       learning curves
@@ -60,10 +60,14 @@ class RunFolder:
         """Whether the folder holds the best policy so far."""
         return (self.path / CARD).exists() or self.best_model.exists()
 
-    def open(self) -> TrainingConfig:
-        """The configuration of the run that this folder holds."""
+    def check_holds_run(self) -> None:
+        """Make sure that the folder holds a run."""
         if not self.exists():
             raise InputError(f"{self.path} holds no run: there is no {self.config_file.name} in it")
+
+    def open(self) -> TrainingConfig:
+        """The configuration of the run that this folder holds."""
+        self.check_holds_run()
         return TrainingConfig.load(self.config_file)
 
     def check_settings(self, config: TrainingConfig) -> None:

@@ -9,7 +9,7 @@ policies, so that a run has all that others have.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.torch_layers import FlattenExtractor
+from stable_baselines3.common.type_aliases import Schedule
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 from torch import Tensor
 
@@ -27,7 +29,8 @@ from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
 from jawenv.anatomy import Cohort, cohort
 from jawenv.anatomy.cohorts import TRUNCATION_SD
-from jawenv.base.errors import InputError
+from jawenv.base.errors import InputError, shown
+from jawenv.base.named_objects import import_named, reason
 from jawenv.envs.asked import asked_muscles
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.playing.policies.residual import BaseTargets
@@ -43,6 +46,10 @@ class APG(OnPolicyAlgorithm):
         policy: name of the policy's class.
         priors: cohorts with whose priors every other patient begins, each with that under which it is likeliest.
         time_weight: nats for the share of the time in which an error bar is above 5 %.
+        objective: ``my_module:function`` of the twin's worlds -> (P,) that is made small; None for ``log_worst``.
+        learning_rate: of the policy.
+        n_steps: decisions of an episode.
+        max_grad_norm: largest norm of the gradient.
         env: training worlds of a policy that corrects a maneuver, in targets control of the midline model.
         **arguments: others.
 
@@ -56,17 +63,28 @@ class APG(OnPolicyAlgorithm):
     policy_aliases = {"MlpPolicy": ActorCriticPolicy}  # noqa: RUF012  as the base class has it
 
     def __init__(
-        self, policy: str, env: VecEnv, priors: Sequence[str] = (), time_weight: float = 0.0, **arguments: Any
+        self,
+        policy: str,
+        env: VecEnv,
+        priors: Sequence[str] = (),
+        time_weight: float = 0.0,
+        objective: str | None = None,
+        learning_rate: float | Schedule = 2e-3,
+        n_steps: int = 50,
+        max_grad_norm: float = 1.0,
+        **arguments: Any,
     ) -> None:
+        arguments |= {"learning_rate": learning_rate, "n_steps": n_steps, "max_grad_norm": max_grad_norm}
         fixed: dict[str, Any] = {"gamma": 1.0, "gae_lambda": 1.0, "ent_coef": 0.0, "vf_coef": 0.0, "use_sde": False}
         super().__init__(policy, env, **fixed, sde_sample_freq=-1, **arguments)
+        self._objective = log_worst if objective is None else _own_objective(objective)
         controlled: Any = env.get_attr("controller")[0]
         self._simulation: Any = env.get_attr("unwrapped")[0].simulation
         if not isinstance(controlled, BaseTargets) or self._simulation.configuration.control != "targets":
-            raise InputError("apg corrects a maneuver in targets control; allowed: residual, control: targets")
+            raise InputError("APG corrects a maneuver in targets control; allowed: residual, control: targets")
         if self.n_steps != self._simulation.configuration.steps:
             allowed = f"the {self._simulation.configuration.steps} of an episode"
-            raise InputError(f"apg.n_steps is {self.n_steps}; allowed: {allowed}")
+            raise InputError(f"arguments.n_steps is {self.n_steps}; allowed: {allowed}")
         self._base, self._time_weight = controlled, time_weight
         self._priors = [cohort(name, self._simulation.cohort.muscles) for name in priors]
         configuration, names = self._simulation.configuration, self._simulation.cohort.muscles.names
@@ -74,16 +92,17 @@ class APG(OnPolicyAlgorithm):
         # The reward "worst" is as many times the log as there are parameters.
         self.comfort_multiplier: float = configuration.comfort_weight / (2.0 * float(asked.sum()))
         with torch.no_grad():
-            first: Any = self.policy.mlp_extractor.policy_net[0]
+            first: Any = next(iter(self.policy.mlp_extractor.policy_net), self.policy.action_net)
             self._seen = first.weight.new_ones(first.in_features)
-            for name in UNSEEN:
+            for name in UNSEEN if isinstance(self.policy.features_extractor, FlattenExtractor) else ():
                 self._seen[OBSERVATION_LAYOUT[name]] = 0.0
             first.weight.mul_(self._seen)
             first.weight.register_hook(lambda gradient: gradient * self._seen)
 
     def _excluded_save_params(self) -> list[str]:
         """Names that a checkpoint is without: worlds, and the graph of the last episode."""
-        return [*super()._excluded_save_params(), "_simulation", "_base", "_seen", "_worst", "_discomfort", "priced"]
+        own = ("_simulation", "_base", "_seen", "_worst", "_discomfort", "priced", "_objective")
+        return [*super()._excluded_save_params(), *own]
 
     def collect_rollouts(
         self, env: VecEnv, callback: BaseCallback, rollout_buffer: RolloutBuffer, n_rollout_steps: int
@@ -142,12 +161,13 @@ class APG(OnPolicyAlgorithm):
             features = torch.tensor(self._base.features(now), device=self.device).expand(len(patients), -1)
             rows = observation(worlds, 1.0 - step / whole, configuration.asked is not None)
             seen = torch.cat([rows.float(), features], -1)
-            latent = self.policy.mlp_extractor.forward_actor(seen)
+            known: Any = self.policy.extract_features(seen)
+            latent = self.policy.mlp_extractor.forward_actor(known)
             action = self.policy.action_net(latent).clamp(-1.0, 1.0).double()
             base = torch.tensor(self._base.targets(now), device=self.device)
             worlds.step(base + self._base.scale * action)
             if step + 1 in marks:
-                worst = worst + marks[step + 1] * log_worst(worlds)
+                worst = worst + marks[step + 1] * self._objective(worlds)
             if self._time_weight > 0.0:
                 worst = worst + self._time_weight / steps * share_unsure(worlds)
         return worst, (worlds.discomfort - configuration.comfort_limit_s).clamp(min=0.0)
@@ -165,6 +185,25 @@ class APG(OnPolicyAlgorithm):
         )
         half = (torch.arange(number, device=means.device) % 2 == 0)[:, None]
         return torch.where(half, means, twin.prior_mean), torch.where(half, sds, twin.prior_sd)
+
+
+def _own_objective(spec: str) -> Callable[[Worlds], Tensor]:
+    """The function of the user's that a spec names."""
+    function = import_named(spec, "arguments.objective")
+    if not callable(function):
+        raise InputError(f"arguments.objective '{spec}' is a {type(function).__name__}; allowed: a function of worlds")
+
+    def objective(worlds: Worlds) -> Tensor:
+        number = len(worlds.patients)
+        try:
+            value = function(worlds)
+        except Exception as error:  # code of the user's can raise anything
+            raise InputError(f"arguments.objective '{spec}': {reason(error)}") from error
+        if not isinstance(value, Tensor) or value.shape != (number,):
+            raise InputError(f"arguments.objective '{spec}' gives {shown(value)}; allowed: a tensor ({number},)")
+        return value
+
+    return objective
 
 
 def _log_density(population: Cohort, theta: Tensor) -> Tensor:

@@ -7,15 +7,17 @@ import time
 from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import torch
 from rich.console import Console
 from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 
+from agents.without_card import plays_in
 from jawenv.base.errors import InputError, shown
 from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
@@ -23,22 +25,21 @@ from jawenv.envs.configuration import Configuration
 from jawenv.playing.policies.card import CorrectedManeuver, Environment
 from jawenv.playing.policies.following import decision_hz
 from jawenv.playing.policies.residual import BaseTargets
-from training.run.algorithm_configs import APGConfig, SACConfig
 from training.run.algorithms import make_model, plain_policy
 from training.run.callbacks import Interrupt, Multiplier, Upkeep
 from training.run.config import EnvConfig, TrainingConfig
-from training.run.evaluations import Evaluations, Report
+from training.run.evaluations import FEW, Evaluations, Report
 from training.run.export import write_run_policy
 from training.run.folder import RunFolder, damaged, read_counts
 from training.run.pathwise import APG
 from training.run.worlds import world_seed, worlds_for
 
 PRICED = 16
-"""Patients of an update of ``apg`` that the worlds play too, for the price of discomfort."""
+"""Patients of an update of `APG` that the worlds play too, for the price of discomfort."""
 INTERRUPTED = 130
 """Exit code of a run that was stopped by a signal, as shells report an interrupt."""
 MOST_SEEDS = 1000
-_TASK = ("algorithm", "env", "residual")
+_TASK = ("algorithm", "env", "residual", "network")
 _SEEDS = re.compile(r"(\d+)(?:-(\d+))?")
 
 
@@ -94,7 +95,7 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
 def _check_changes(run: RunFolder, config: TrainingConfig, console: Console) -> None:
     """Say which settings were changed since the run began; refuse another task or network."""
     changed = [name for name in run.changed_settings(config) if name != "steps"]
-    decisive = [name for name in changed if name.split(".")[0] in _TASK or ".network" in name]
+    decisive = [name for name in changed if name.split(".")[0] in _TASK or "policy_kwargs" in name]
     if decisive:
         raise InputError(
             f"{run.config_file} has other values of {', '.join(decisive)} than the run began with; "
@@ -170,19 +171,27 @@ class TrainingSession:
         self._multiplier = None if config.comfort is None else Multiplier(config.comfort)
         self._worlds = worlds_for(config.env, config.n_envs, base, self._multiplier)
         self._validation = worlds_for(config.env, config.evaluation.patients, base)
+        self._few = worlds_for(config.env, min(FEW, config.evaluation.patients), base)
         self.model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
+        if self._world is not None and plain_policy(self.model, config) is None:
+            self.model.plays = plays_in(self._world, self._residual())  # type: ignore[attr-defined]
+            console.print(
+                f"no card describes this network: the best policy is kept as {run.best_model.name}, which is played "
+                "with --trust and cannot be exported",
+                soft_wrap=True,
+            )
         self._priced = None
-        if isinstance(config.section, APGConfig):
+        if isinstance(self.model, APG):
             self._priced = worlds_for(config.env, min(PRICED, config.n_envs), base)
             self._priced.seed(self.world_seed)
-            cast(APG, self.model).priced = self._priced
+            self.model.priced = self._priced
 
     def __enter__(self) -> TrainingSession:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        for worlds in (self._worlds, self._validation, self._priced):
+        for worlds in (self._worlds, self._validation, self._few, self._priced):
             if worlds is not None:
                 worlds.close()
 
@@ -201,9 +210,8 @@ class TrainingSession:
                 self._multiplier.value = float(saved["comfort_multiplier"])
         except Exception as error:  # damaged weights can raise anything
             raise damaged(checkpoint, error) from error
-        section = self.config.section
-        if isinstance(section, SACConfig):
-            model.learning_starts = model.num_timesteps + section.learning_starts
+        if isinstance(model, OffPolicyAlgorithm):
+            model.learning_starts += model.num_timesteps
 
     def learn(self, report: Report | None = None) -> int:
         """Learn until the last step or a signal; save, report, and return the exit code."""
@@ -225,7 +233,7 @@ class TrainingSession:
                     config.steps - self._from_step,
                     CallbackList([upkeep, evaluations]),
                     # On-policy algorithms log every rollout, the others after so many episodes.
-                    log_interval=config.n_envs if isinstance(config.section, SACConfig) else 1,
+                    log_interval=config.n_envs if isinstance(model, OffPolicyAlgorithm) else 1,
                     reset_num_timesteps=False,
                 )
                 checkpoint = run.save_checkpoint(model, config.checkpoints.keep)
@@ -256,36 +264,40 @@ class TrainingSession:
             self.run,
             self.config.evaluation,
             self._validation,
+            self._few,
             self.keep,
             progress,
             interrupted=interrupted,
             largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
             report=report,
-            began_with="the untrained policy" if self.base is None else "the movement that it began with",
-            sampled=not isinstance(self.config.section, APGConfig),  # it learns through the most likely actions
+            sampled=not isinstance(self.model, APG),  # it learns through the most likely actions
         )
 
     def keep(self) -> None:
         """Write the policy as it is now into the run's folder, as weights and a card.
 
-        A card says where in jawenv a policy plays: of another environment the model is saved instead.
+        A card says where in jawenv a policy plays: of another environment or network the model is saved instead.
         """
         config, run, model = self.config, self.run, self.model
-        if self._world is None:
+        plain = None if self._world is None else plain_policy(model, config)
+        if self._world is None or plain is None:
             run.save_model(model, run.best_model)
             return
-        architecture, weights = plain_policy(model, config)
-        residual = None if self.base is None else CorrectedManeuver(maneuver=self.base.maneuver, scale=self.base.scale)
-        write_run_policy(run, config, Environment.of(self._world), architecture, residual, weights, model.num_timesteps)
+        environment, (architecture, weights) = Environment.of(self._world), plain
+        write_run_policy(run, config, environment, architecture, self._residual(), weights, model.num_timesteps)
+
+    def _residual(self) -> CorrectedManeuver | None:
+        return None if self.base is None else CorrectedManeuver(maneuver=self.base.maneuver, scale=self.base.scale)
 
     def _report(self, evaluations: Evaluations, seconds: float) -> None:
         steps = self.model.num_timesteps
         rate = (steps - self._from_step) / seconds
         assert evaluations.best is not None
         score, best_steps = evaluations.best
+        played = self._validation if best_steps else self._few
         self._console.print(
             f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best on "
-            f"{self.config.evaluation.patients} validation patients: {score.in_words()} "
+            f"{played.num_envs} validation patients: {score.in_words()} "
             f"after {best_steps:,} steps: {self.run.path}",
             soft_wrap=True,
         )
@@ -293,7 +305,8 @@ class TrainingSession:
 
 def _whole_updates(model: Any, from_step: int, steps: int) -> int:
     """Step at which a run of so many steps ends: stable-baselines3 steps all worlds before each update."""
-    update: int = model.n_envs * (model.n_steps if isinstance(model, OnPolicyAlgorithm) else 1)
+    on_policy = isinstance(model, OnPolicyAlgorithm)
+    update: int = model.n_envs * (model.n_steps if on_policy else model.train_freq.frequency)
     return from_step + -(-(steps - from_step) // update) * update
 
 

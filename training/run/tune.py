@@ -12,11 +12,13 @@ from optuna.exceptions import StorageInternalError, TrialPruned
 from optuna.trial import Trial, TrialState
 from rich.console import Console
 from sqlalchemy.exc import SQLAlchemyError
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 
 from agents.evaluations import read_evaluations
 from jawenv.base.errors import InputError
 from training.run import train
-from training.run.algorithm_configs import APGConfig, PPOConfig
+from training.run.algorithms import ALGORITHMS, algorithm_class
+from training.run.arguments import parameters_of
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
 
@@ -56,21 +58,26 @@ def search(config: TrainingConfig, name: str, trials: int, storage: str, folder:
 
 def suggest(trial: Trial, config: TrainingConfig) -> TrainingConfig:
     """The configuration of a trial; the reward and the price of discomfort are never searched."""
-    section = config.section.model_dump(mode="json")
-    if isinstance(config.section, PPOConfig):
-        section["learning_rate"]["initial"] = trial.suggest_float("learning_rate", 1e-4, 2e-3, log=True)
-        section["gamma"] = trial.suggest_float("gamma", 0.97, 0.995)
-        section["n_epochs"] = trial.suggest_int("n_epochs", 3, 10)
-        section["network"]["initial_log_std"] = trial.suggest_float("initial_log_std", -2.0, -0.5)
-    elif isinstance(config.section, APGConfig):
-        section["learning_rate"]["initial"] = trial.suggest_float("learning_rate", 5e-4, 5e-3, log=True)
+    kind = algorithm_class(config.algorithm)
+    arguments: dict[str, Any] = {}
+    network: dict[str, Any] = {}
+    final: dict[str, float] = {}
+    if issubclass(kind, ALGORITHMS["APG"]):
+        rate = trial.suggest_float("learning_rate", 5e-4, 5e-3, log=True)
+    elif issubclass(kind, OnPolicyAlgorithm):
+        rate = trial.suggest_float("learning_rate", 1e-4, 2e-3, log=True)
+        arguments["gamma"] = trial.suggest_float("gamma", 0.97, 0.995)
+        if "n_epochs" in parameters_of(kind):
+            arguments["n_epochs"] = trial.suggest_int("n_epochs", 3, 10)
+        network["initial_log_std"] = trial.suggest_float("initial_log_std", -2.0, -0.5)
     else:
         rate = trial.suggest_float("learning_rate", 2e-4, 2e-3, log=True)
-        section["learning_rate"] = {"initial": rate, "final": rate}
-        section["gamma"] = trial.suggest_float("gamma", 0.95, 0.99)
-        section["gradient_steps"] = trial.suggest_categorical("gradient_steps", [5, 10, 20])
-        section["network"]["units"] = [trial.suggest_categorical("units", [64, 128, 256])] * 2
-    changes: dict[str, Any] = {config.algorithm: section, "seed": config.seed + trial.number}
+        final = {"final": rate}
+        arguments["gamma"] = trial.suggest_float("gamma", 0.95, 0.99)
+        arguments["gradient_steps"] = trial.suggest_categorical("gradient_steps", [5, 10, 20])
+        network["policy"] = network["value"] = [trial.suggest_categorical("units", [64, 128, 256])] * 2
+    arguments["learning_rate"] = {"initial": rate, **final}
+    changes: dict[str, Any] = {"arguments": arguments, "network": network, "seed": config.seed + trial.number}
     if config.residual is not None:
         scale = trial.suggest_float("scale", 0.2, 0.8)
         changes["residual"] = {"maneuver": config.residual.maneuver, "scale": scale}

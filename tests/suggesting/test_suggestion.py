@@ -1,0 +1,51 @@
+"""What to record next: made for the patient, expected honestly, and refused where the recording is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import jawenv
+from jawenv.base.errors import InputError
+from jawenv.commands.app import main
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.recordings.files import load_record, save_record
+from jawenv.suggesting.suggestion import suggest
+
+PLAYED = {"cohort": "one_sided", "episode_s": 10.0, "record": True, "track_bound": False}
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    path = tmp_path_factory.mktemp("next") / "recording.csv"
+    played = jawenv.play(jawenv.Player("opening_with_swings"), patients=1, seed=5600, env_kwargs=PLAYED)
+    save_record(played.records[0], path)
+    return path
+
+
+def test_the_next_movement_is_a_maneuver_that_tells_more_than_the_same_again(recording, tmp_path, capsys):
+    output = tmp_path / "next.yaml"
+    assert main(["suggest", str(recording), "-o", str(output)]) == 0
+    said = capsys.readouterr().out
+    assert "least known now: " in said and "next: opens to " in said and "in its place: the same again" in said
+    assert Maneuver.load(output).channels.side is not None
+    assert main(["suggest", str(recording), "-o", str(output)]) == 2
+    assert "exists already" in capsys.readouterr().err
+
+
+def test_what_is_expected_is_below_what_is_known_and_the_same_again(recording):
+    found = suggest(load_record(recording), 6.0)
+    assert found.seconds == pytest.approx(6.0)
+    assert found.expected.low <= found.expected.median <= found.expected.high < found.worst_sd
+    assert found.expected.median < found.again < found.worst_sd
+    assert found.expected.discomfort_s < 0.05
+
+
+def test_other_lengths_and_recordings_that_are_not_believed_are_refused(recording):
+    record = load_record(recording)
+    for seconds in (0.0, np.nan, 100.0):
+        with pytest.raises(InputError, match="seconds is"):
+            suggest(record, seconds)
+    spoilt = replace(record, samples=-record.samples)
+    with pytest.raises(InputError, match="not to be believed"):
+        suggest(spoilt)
