@@ -29,9 +29,9 @@ from jawenv.recordings.files import load_record, save_record
 from jawenv.recordings.record import Record
 from jawenv.recordings.untold.learnt import identified_with_errors
 
-SECONDS, SHORT = 30.0, 10.0
-RICH, PLAIN = "refined", "slow_opening"
-LEFT_OUT = ("wide",)
+_SECONDS, _SHORT = 30.0, 10.0
+_RICH, _PLAIN = "refined", "slow_opening"
+_LEFT_OUT = ("wide",)
 
 
 class _Answer(NamedTuple):
@@ -65,15 +65,15 @@ def _row(*cells: object) -> None:
 
 
 def _of_cohort(cohort: str, movement: str, arguments: argparse.Namespace, folder: Path) -> None:
-    kwargs = {"record": True, "episode_s": SECONDS, "cohort": cohort, "knowledge": "imaged", "track_bound": False}
+    kwargs = {"record": True, "episode_s": _SECONDS, "cohort": cohort, "knowledge": "imaged", "track_bound": False}
     played = jawenv.play(load_agent(movement), patients=arguments.patients, seed=arguments.seed, env_kwargs=kwargs)
     assert played.records is not None
     records = [record for record, lasts in zip(played.records, played.valid[:, -1], strict=True) if lasts]
-    for seconds in (SHORT, SECONDS):
+    for seconds in (_SHORT, _SECONDS):
         cut = [record.until(seconds) for record in records]
         found = [_answer(record, UNKNOWN.cohort, folder) for record in cut]
         own: list[_Answer] = []
-        if seconds == SECONDS and movement == RICH:
+        if seconds == _SECONDS and movement == _RICH:
             own = [_answer(record, cohort, folder) for record in cut]
         believed, nees, worst, given, whole = (np.array(values) for values in zip(*found, strict=True))
         wider = f"{np.median(worst / [one.worst_sd for one in own]):.2f}" if own else ""
@@ -104,9 +104,9 @@ def main() -> None:
         *("under the own prior", "worst error bar x"),
     )
     print("|---|---|" + 8 * "--:|", flush=True)
-    cohorts = arguments.cohorts or [name for name in COHORTS if name not in LEFT_OUT]
+    cohorts = arguments.cohorts or [name for name in COHORTS if name not in _LEFT_OUT]
     with tempfile.TemporaryDirectory() as folder:
-        for cohort, movement in product(cohorts, (RICH, PLAIN)):
+        for cohort, movement in product(cohorts, (_RICH, _PLAIN)):
             _of_cohort(cohort, movement, arguments, Path(folder))
 
 

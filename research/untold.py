@@ -19,7 +19,7 @@ from eval.figures import statistics, words
 from jawenv.recordings.untold.learnt import learnt
 
 SECONDS = 30.0
-MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
+_MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
 EFFECTS = {
     "none": {},
     "load cell off by 0.1 N, 2 mN m": {"cell_bias_N": 0.1, "cell_bias_N_m": 0.002},
@@ -36,9 +36,9 @@ EFFECTS = {
     "guarding, 1": {"guarding_gain": 1.0},
     "attachments of the mean": {"attachment_error": 1.0},
 }
-MUJOCOS = "a jaw that MuJoCo moves"
-TOLD = {
-    "exact": (*EFFECTS, MUJOCOS),
+_MUJOCOS = "a jaw that MuJoCo moves"
+_TOLD = {
+    "exact": (*EFFECTS, _MUJOCOS),
     "bench": (
         "none",
         "openers that pull, 0.3 N",
@@ -53,11 +53,11 @@ MOVEMENTS = {
     "slow": ((0.35, 0.05, 0.05, 0.05), (9.0, 7.0, 11.0, 8.0)),
 }
 """Amplitudes of the four channels and their periods, s."""
-EARLIER = {"patients": 16, "seed": 388_000}
-PAGE = (
-    {"knowledge": "exact", "effects": (*list(EFFECTS)[:10], MUJOCOS)},
-    {"knowledge": "exact", "effects": tuple(EFFECTS)[10:], **EARLIER},
-    {"knowledge": "bench", **EARLIER},
+_EARLIER = {"patients": 16, "seed": 388_000}
+_PAGE = (
+    {"knowledge": "exact", "effects": (*list(EFFECTS)[:10], _MUJOCOS)},
+    {"knowledge": "exact", "effects": tuple(EFFECTS)[10:], **_EARLIER},
+    {"knowledge": "bench", **_EARLIER},
     {"knowledge": "exact", "cohort": "one_sided", "patients": 16, "effects": tuple(EFFECTS)[:9]},
 )
 
@@ -105,7 +105,7 @@ class _Beliefs(NamedTuple):
 def _of_effect(title, arguments):
     kwargs = {"episode_s": SECONDS, "track_bound": False, "record": True, "control": "targets"}
     kwargs |= {"knowledge": arguments.knowledge, "cohort": arguments.cohort}
-    kwargs |= {"plant": MUJOCO} if title == MUJOCOS else {"reality": EFFECTS[title]}
+    kwargs |= {"plant": _MUJOCO} if title == _MUJOCOS else {"reality": EFFECTS[title]}
     played = jawenv.play(Sines(arguments.movement), patients=arguments.patients, seed=arguments.seed, env_kwargs=kwargs)
     chosen = np.flatnonzero(played.valid[:, -1])
     means, covs, truth = played.belief_mean[chosen, -1], played.belief_cov[chosen, -1], played.truth[chosen]
@@ -139,25 +139,25 @@ def _section(arguments):
         "temperature",
     )
     print("|---|" + 9 * "--:|")
-    for title in arguments.effects or TOLD[arguments.knowledge]:
+    for title in arguments.effects or _TOLD[arguments.knowledge]:
         _of_effect(title, arguments)
     print(flush=True)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Measure what error bars are worth under errors that nobody told.")
-    parser.add_argument("knowledge", choices=("all", *TOLD), help="all: every section of the page")
+    parser.add_argument("knowledge", choices=("all", *_TOLD), help="all: every section of the page")
     parser.add_argument("--patients", type=int, default=48, help="of each row")
     parser.add_argument("--seed", type=int, default=420_000)
     parser.add_argument("--cohort", default="trismus")
     parser.add_argument("--movement", choices=MOVEMENTS, default="sines")
-    parser.add_argument("--effects", nargs="*", choices=(*EFFECTS, MUJOCOS), help="those of the page by default")
+    parser.add_argument("--effects", nargs="*", choices=(*EFFECTS, _MUJOCOS), help="those of the page by default")
     arguments = parser.parse_args()
     if arguments.knowledge != "all":
         _section(arguments)
         return
     print("# Errors that nobody told\n")
-    for values in PAGE:
+    for values in _PAGE:
         _section(argparse.Namespace(**{**vars(arguments), **values}))
 
 

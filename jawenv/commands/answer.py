@@ -24,7 +24,7 @@ from jawenv.recordings.record import Record
 
 UNKNOWN = replace(defaults.UNLABELLED, knowledge="bench")
 """Patient and device of a file that says nothing of them."""
-LONG_S, PATIENCE_S = 60.0, 2.0
+_LONG_S, PATIENCE_S = 60.0, 2.0
 """Length of a recording from which, and time after which, it is said that other patients are tried."""
 LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
 IN_WORDS = {"exact": "known exactly", "imaged": "as from a scan", "bench": "as from a scan"}
@@ -66,7 +66,7 @@ def _fitting_cohort(record: Record) -> str | None:
     assumed, others, begun = _cohort_assumed(record), _cohorts(record), time.monotonic()
     names = sorted(COHORTS.keys() - {assumed}, key=lambda name: (name != defaults.ANYONE, list(COHORTS).index(name)))
     for number, name in enumerate(names, 1):
-        if record.time[-1] > LONG_S or time.monotonic() - begun > PATIENCE_S:
+        if record.time[-1] > _LONG_S or time.monotonic() - begun > PATIENCE_S:
             print(f"tries whether a patient of {name} fits, {number} of {len(names)}", file=sys.stderr, flush=True)
         if identified(replace(record, prior=others[name].prior)).believable:
             return name

@@ -27,11 +27,11 @@ from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
 from jawenv.recordings.untold.learnt import identified_with_errors
 
-POLICY, BESIDE = "apg_anyone", "refined"
-SHORTEST_S, LONGEST_S = 2.0, 30.0
-DRAWS = 16
+_POLICY, BESIDE = "apg_anyone", "refined"
+_SHORTEST_S, _LONGEST_S = 2.0, 30.0
+_DRAWS = 16
 """Patients from the belief, for what is expected."""
-BUDGET = 1.0 / 300.0
+_BUDGET = 1.0 / 300.0
 """Discomfort that the device keeps, share of the time."""
 _TIMES_S = 0.2
 """Between the points of the maneuver."""
@@ -83,8 +83,8 @@ def suggest(record: Record, seconds: float = 10.0) -> Suggestion:
     Raises:
         InputError: another length or model, or a recording that is not to be believed.
     """
-    if not SHORTEST_S <= seconds <= LONGEST_S:
-        raise InputError(f"seconds is {seconds:g}; allowed: {SHORTEST_S:g} to {LONGEST_S:g}")
+    if not _SHORTEST_S <= seconds <= _LONGEST_S:
+        raise InputError(f"seconds is {seconds:g}; allowed: {_SHORTEST_S:g} to {_LONGEST_S:g}")
     model = defaults.model_of_geometry(record.jaw)
     if model is None or model[0] != "jaw":
         raise InputError("recording is of another jaw than the default one; allowed: that of jawenv/Jaw-v3")
@@ -98,13 +98,13 @@ def suggest(record: Record, seconds: float = 10.0) -> Suggestion:
         "episode_s": seconds,
         "track_bound": False,
         "knowledge": record.knowledge,
-        "comfort_budget_s": BUDGET * seconds,
+        "comfort_budget_s": _BUDGET * seconds,
     }
-    policy = named_agent(POLICY, "targets")
+    policy = named_agent(_POLICY, "targets")
     assert policy is not None
     maneuver = _written_down(policy, _patient(mean, model[1]), world, seconds)
     rng = np.random.default_rng(0)
-    patients = [_patient(one, model[1]) for one in rng.multivariate_normal(mean, cov, DRAWS)]
+    patients = [_patient(one, model[1]) for one in rng.multivariate_normal(mean, cov, _DRAWS)]
     known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
     expected, beside = (_expected(Player(one), patients, world, known) for one in (maneuver, Maneuver.named(BESIDE)))
     return Suggestion(found, maneuver, _worst(cov), expected, beside, _worst(np.linalg.inv(2.0 * known - prior)))
@@ -131,7 +131,7 @@ def _written_down(policy: Agent, patient: Patient, world: dict[str, Any], second
         joined = zip([0.0, *times], [0.0, *values], strict=True)
         points = [{"t_s": round(float(t), 6), "value": round(float(value), 5)} for t, value in joined]
         channels[name] = {"kind": "keyframes", "interpolation": "linear", "points": points}
-    text = f"Suggested by {POLICY} for the estimates of a recording."
+    text = f"Suggested by {_POLICY} for the estimates of a recording."
     header = {"name": "next", "title": "Next", "description": text, "source": "jawenv suggest"}
     return Maneuver.model_validate({**header, "fade_in_s": 0.001, "channels": channels})
 

@@ -96,6 +96,12 @@ LEAVES = {
         ("tests/eval/report",),
     ),
     "motion in the report": Leaf(("eval/comparison/motion.py",), (COMPARE,), ("tests/eval/comparison/test_motion.py",)),
+    "recorded actions": Leaf(
+        ("agents/replay.py",),
+        ("agents/registry.py",),
+        ("tests/agents/test_replay.py",),
+        ("replays of averages", "benchmark", "maneuver search"),
+    ),
     "replays of averages": Leaf(("eval/episodes/replays.py",), (COMPARE,), ("tests/eval/episodes/test_replays.py",)),
     "results of a card": Leaf(
         ("eval/comparison/card_results.py",), (COMPARE,), ("tests/eval/comparison/test_card_results.py",)

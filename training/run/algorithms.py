@@ -22,12 +22,12 @@ from training.run.config import NetworkConfig, TrainingConfig
 from training.run.features import OwnFeatures
 from training.run.pathwise import APG
 
-KINDS = (OnPolicyAlgorithm, OffPolicyAlgorithm)
+_KINDS = (OnPolicyAlgorithm, OffPolicyAlgorithm)
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"APG": APG} | {
     name: value
     for library in (stable_baselines3, sb3_contrib)
     for name, value in vars(library).items()
-    if isinstance(value, type) and issubclass(value, KINDS)
+    if isinstance(value, type) and issubclass(value, _KINDS)
 }
 ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU, "elu": torch.nn.ELU}
 
@@ -39,8 +39,8 @@ def algorithm_class(name: str) -> type[BaseAlgorithm]:
             raise not_among("algorithm", name, sorted(ALGORITHMS), ", my_module:Name")
         return ALGORITHMS[name]
     kind = import_named(name, "algorithm")
-    if not isinstance(kind, type) or not issubclass(kind, KINDS):
-        raise InputError(f"algorithm is {name!r}; allowed: a subclass of {' or '.join(one.__name__ for one in KINDS)}")
+    if not isinstance(kind, type) or not issubclass(kind, _KINDS):
+        raise InputError(f"algorithm is {name!r}; allowed: a subclass of {' or '.join(one.__name__ for one in _KINDS)}")
     return kind
 
 

@@ -19,7 +19,7 @@ from training.run.config import EvaluationConfig
 from training.run.folder import RunFolder
 
 CONFIDENCE = 0.95
-BEGINNING = "the movement that it begins with"
+_BEGINNING = "the movement that it begins with"
 FEW = 16
 """Patients of the evaluation before the first update, the first ones of the others."""
 MEDIANS = ("worst_sd", "worst_sd_10s")
@@ -174,7 +174,7 @@ class Evaluations(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         if self.last is None:
-            self._progress.say(f"evaluating {BEGINNING} on {self._few.num_envs} patients")
+            self._progress.say(f"evaluating {_BEGINNING} on {self._few.num_envs} patients")
             self.evaluate(self._few)
         elif self.model.num_timesteps - self.last >= self._config.every_steps:
             self.evaluate(self._worlds)
@@ -246,8 +246,8 @@ class Evaluations(BaseCallback):
         if self.best is None or self._first is None:
             return
         score, steps = self.best
-        said = f"as good as {BEGINNING}, so far: {score.in_words()}"
+        said = f"as good as {_BEGINNING}, so far: {score.in_words()}"
         if steps:
             first = f"{self._first[0].in_words()} on {self._few.num_envs} patients"
-            said = f"best: {score.in_words()} at {steps:,}; {BEGINNING} had {first}"
+            said = f"best: {score.in_words()} at {steps:,}; {_BEGINNING} had {first}"
         self._progress.note("best", said)

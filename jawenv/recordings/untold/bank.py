@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from itertools import combinations, product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jawenv.recordings.estimate import Array
 from jawenv.recordings.untold.blocks import Blocks
 from jawenv.recordings.untold.law import bends, tensions
-
-Array = NDArray[np.float64]
 
 _SCANS = (0.0, 1.0)
 _CONSTANTS = (0.0, 0.03, 0.1, 0.3)
@@ -29,7 +27,7 @@ _TOLD = 0.9
 _EFFORT, _LONG = (12, 6), (80, 14)
 """Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
 _ENOUGH = 1e-4
-NEAR, FAR = 5.0, 10.0
+_NEAR, _FAR = 5.0, 10.0
 """How far below the most probable explanation another one is to be named, nats; how far from a belief, in sds squared
 over the number of parameters.
 """
@@ -74,7 +72,7 @@ class Mixture:
         modes, _, heights = _most_probable(blocks, information, score, starts, _LONG)
         away = modes - mean
         far = np.einsum("ni,ij,nj->n", away, np.linalg.inv(cov), away) / len(mean)
-        allowed = (far > FAR) & (heights > heights.max() - NEAR)
+        allowed = (far > _FAR) & (heights > heights.max() - _NEAR)
         return modes[np.where(allowed, heights, -np.inf).argmax()] if allowed.any() else None
 
     def _height(self, blocks: Blocks, theta: Array) -> Array:

@@ -26,17 +26,16 @@ from jawenv.filter.tick import ROW, FilterScratch, begin_filter, filter_scratch_
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.jaw import Jaw
+from jawenv.recordings.estimate import Array
 from jawenv.recordings.filter_settings import settings_of_record
 from jawenv.recordings.record import Record
-
-Array = NDArray[np.float64]
 
 BLOCK_S = 0.5
 MOST_BLOCKS = 600  # of a recording: those of an hour would fill the memory, so they are longer
 _WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
 _MOST_PASSES, _CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
-N_CONSTANT = len(WRENCH_UNITS)
-N_OF_WRENCH = N_SHAPES * N_CONSTANT
+_N_CONSTANT = len(WRENCH_UNITS)
+N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
 
 
@@ -77,7 +76,7 @@ class Blocks:
         scan, constant, shapes, _ = (sizes[:, j, None] for j in range(4))
         gain = np.full((len(sizes), 1), self.gain_sd)
         known = np.repeat(np.ones_like(scan) if self.told_scan else scan, others, axis=1)
-        wrench = np.repeat(constant, N_CONSTANT, axis=1), np.repeat(shapes, N_OF_WRENCH - N_CONSTANT, axis=1)
+        wrench = np.repeat(constant, _N_CONSTANT, axis=1), np.repeat(shapes, N_OF_WRENCH - _N_CONSTANT, axis=1)
         return np.hstack([gain, known, *wrench])
 
 

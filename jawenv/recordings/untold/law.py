@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jawenv.recordings.estimate import Array
 from jawenv.recordings.untold.blocks import Blocks
-
-Array = NDArray[np.float64]
 
 STRAINS = np.linspace(-0.02, 0.22, 15)
 """Of muscles between closed and wide open."""
-BENDS = 2
+_BENDS = 2
 """Curvatures of each muscle's law."""
 
 
@@ -44,14 +42,14 @@ def bends(blocks: Blocks) -> Array:
     muscles, nodes = blocks.nominal.shape
     away = STRAINS - STRAINS.mean()
     away = away / np.abs(away).max()
-    axes, _ = np.linalg.qr(np.stack([away**power for power in range(2 + BENDS)], axis=1))
+    axes, _ = np.linalg.qr(np.stack([away**power for power in range(2 + _BENDS)], axis=1))
     shapes = axes[:, 2:] * np.sqrt(len(STRAINS))
-    found = np.zeros((muscles, nodes, muscles, BENDS))
+    found = np.zeros((muscles, nodes, muscles, _BENDS))
     for m in range(muscles):
         exponentials = np.exp(blocks.basis["nodes"][m] * (STRAINS - blocks.basis["centre"][m])[:, None])
         tension = exponentials @ blocks.nominal[m]
         relative = exponentials / tension[:, None]
         small = 1e-4 * np.eye(nodes) / np.abs(blocks.nominal[m]).max()
-        target = np.vstack([shapes * np.sign(tension)[:, None], np.zeros((nodes, BENDS))])
+        target = np.vstack([shapes * np.sign(tension)[:, None], np.zeros((nodes, _BENDS))])
         found[m, :, m] = np.linalg.lstsq(np.vstack([relative, small]), target, rcond=None)[0]
-    return found.reshape(muscles * nodes, muscles * BENDS)
+    return found.reshape(muscles * nodes, muscles * _BENDS)

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
 from jawenv.mechanics.dynamics import N_BODY
 from jawenv.recordings.defaults import UNMODELLED_TIME
+from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import divided
@@ -18,8 +18,6 @@ from jawenv.recordings.untold.bank import Mixture, mixture
 from jawenv.recordings.untold.blocks import Blocks, blocks_of
 from jawenv.recordings.untold.shown import Shown, shown
 from jawenv.recordings.untold.temperature import excess, joint_of
-
-Array = NDArray[np.float64]
 
 _ROUNDS, _ENOUGH = 4, 1.02
 _BENT = 3.0

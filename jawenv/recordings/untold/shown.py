@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jawenv.filter.nuisances.unknowns import WRENCH_UNITS
+from jawenv.recordings.estimate import Array
 from jawenv.recordings.untold.bank import Mixture
 from jawenv.recordings.untold.blocks import N_OF_WRENCH, Blocks
 from jawenv.recordings.untold.temperature import disagreement, groups_of_poses, joint_of
-
-Array = NDArray[np.float64]
 
 _OPENINGS = 25  # at which the wrench is shown
 

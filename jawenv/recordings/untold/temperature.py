@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.recordings.estimate import Array
 from jawenv.recordings.untold.blocks import BLOCK_S, Blocks
 from jawenv.recordings.untold.law import bends, tensions
-
-Array = NDArray[np.float64]
 
 _TENTHS = 10
 _CHANCE = 3.0
