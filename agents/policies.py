@@ -28,7 +28,7 @@ ENTRIES = ("data", "policy.pth")
 """Members of every checkpoint."""
 
 
-class TrainedPolicy(BatchAgent):
+class _TrainedPolicy(BatchAgent):
     """A policy out of a stable-baselines3 checkpoint, whichever of its algorithms trained it.
 
     Attributes:
@@ -94,7 +94,7 @@ def _of_checkpoint(path: Path, env_id: str, trust: bool) -> Agent:
         raise InputError(f"{path}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
     run = card_of(path)
     card = card_in(path, policy.observation_space.shape, plays) if run is None else run[1]
-    trained = TrainedPolicy(path, policy, None if card is None else card.environment.control)
+    trained = _TrainedPolicy(path, policy, None if card is None else card.environment.control)
     check_environment(path, trained.observation_size, card, env_id)
     return trained if card is None else on_maneuver(trained, path, card)
 

@@ -36,7 +36,7 @@ _SWAY = 1e-2
 """Speed at which a held jaw's readings repeat their errors least, over the limit of comfort."""
 
 
-class StaticBound(NamedTuple):
+class _StaticBound(NamedTuple):
     """The bound of N patients."""
 
     log_worst: Array  # (N,) of the largest sd
@@ -49,7 +49,7 @@ class StaticBound(NamedTuple):
         return [(float(self.shares[patient, i]), self.targets[patient, i]) for i in order]
 
 
-def static_bound(simulation: Any, seconds: float, poses: int = _POSES, seed: int = 0) -> StaticBound:
+def static_bound(simulation: Any, seconds: float, poses: int = _POSES, seed: int = 0) -> _StaticBound:
     """The bound for the patients of a simulation after its ``reset``.
 
     Args:
@@ -71,7 +71,7 @@ def static_bound(simulation: Any, seconds: float, poses: int = _POSES, seed: int
     asked = torch.tensor(simulation.asked).double().repeat_interleave(2, -1)
     prior = Belief(twin, patients).precision
     worst, shares = _shared_out(prior, seconds / TICK * information, allowed, asked)
-    return StaticBound(worst.numpy(), drawn, shares.numpy())
+    return _StaticBound(worst.numpy(), drawn, shares.numpy())
 
 
 def _information(twin: Twin, patients: Patients, targets: Tensor) -> tuple[Tensor, Tensor]:

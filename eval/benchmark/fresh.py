@@ -66,7 +66,7 @@ class Checked(InputModel):
 
 
 @dataclass(frozen=True)
-class Comparison:
+class _Comparison:
     """An agent and the maneuver on public and on fresh patients."""
 
     task: str  # its id
@@ -126,7 +126,7 @@ def compare(
     run: Run | None = None,
     *,
     trust: bool = False,
-) -> tuple[Comparison, ...]:
+) -> tuple[_Comparison, ...]:
     """Play the agents of a submission on fresh patients, and the maneuver on these and the public ones.
 
     Args:
@@ -162,7 +162,7 @@ def _fresh(cell: Cell, seeds: tuple[int, ...]) -> Cell:
     return replace(cell, seeds=range(len(seeds)), rows=rows)
 
 
-def _comparison(task: str, agent: str, rows: pd.DataFrame) -> Comparison:
+def _comparison(task: str, agent: str, rows: pd.DataFrame) -> _Comparison:
     scores, times, ratios = [], [], []
     for on in ("public", "fresh"):
         of_task = rows[(rows["task"] == task) & (rows["on"] == on)]
@@ -173,7 +173,7 @@ def _comparison(task: str, agent: str, rows: pd.DataFrame) -> Comparison:
         scores += [score_of(mine), score_of(its[its["seed"].isin(mine["seed"])])]
     worse, chance = difference(*ratios)
     apart = difference(*times)[0]
-    return Comparison(task, agent, scores[0], scores[2], apart, (scores[1], scores[3]), _share(worse), chance)
+    return _Comparison(task, agent, scores[0], scores[2], apart, (scores[1], scores[3]), _share(worse), chance)
 
 
 def log_ratios(agent: Array, maneuver: Array) -> Array:
@@ -203,13 +203,13 @@ def difference(public: Array, fresh: Array) -> tuple[Interval, float]:
     return Interval(apart, float(ends.low), float(ends.high)), float(chance)
 
 
-def suspected(comparisons: Sequence[Comparison]) -> list[Comparison]:
+def suspected(comparisons: Sequence[_Comparison]) -> list[_Comparison]:
     """The agents that do better on public patients than chance lets honest agents do (Bonferroni's rule)."""
     return [one for one in comparisons if one.chance < LEVEL / len(comparisons)]
 
 
 def written(
-    comparisons: Sequence[Comparison], folder: Path, number: int, key: bytes, metadata: dict[str, Any]
+    comparisons: Sequence[_Comparison], folder: Path, number: int, key: bytes, metadata: dict[str, Any]
 ) -> Checked:
     """The content of ``checked.json``.
 

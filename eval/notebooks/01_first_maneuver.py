@@ -63,7 +63,7 @@ belief(info)
 agent = jawenv.Player(MANEUVER)
 
 
-def play_to_the_end(env):
+def _play_to_the_end(env):
     """Play an episode; yields the info after each step."""
     observation, info = env.reset(seed=0)
     agent.reset(1)
@@ -75,7 +75,7 @@ def play_to_the_end(env):
         yield info
 
 
-*_, info = play_to_the_end(env)
+*_, info = _play_to_the_end(env)
 belief(info)
 
 # %% [markdown]
@@ -93,7 +93,7 @@ from IPython.display import Video
 
 last = iio.imwrite("<bytes>", env.render(), extension=".png")
 poster = "data:image/png;base64," + base64.b64encode(last).decode()
-pictures = [env.render() for _ in play_to_the_end(env)]
+pictures = [env.render() for _ in _play_to_the_end(env)]
 env.close()
 film = os.path.join(tempfile.mkdtemp(), "film.mp4")
 iio.imwrite(film, pictures, fps=5)

@@ -104,7 +104,7 @@ def summary(x, theta):
     return summarise
 
 
-def neural_posterior(seed):
+def _neural_posterior(seed):
     """Draws of the posterior (DRAWS, 2)."""
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
@@ -129,7 +129,7 @@ def neural_posterior(seed):
     return draws
 
 
-draws = None if NPE is None else neural_posterior(0)
+draws = None if NPE is None else _neural_posterior(0)
 
 # %% [markdown]
 # ## The likelihood, and the filter

@@ -152,7 +152,7 @@ def _joined(values: tuple[str, ...], every: tuple[str, ...], all_of: str) -> str
 
 
 @dataclass(frozen=True, eq=False)
-class Combination:
+class _Combination:
     """A direction in the space of the p natural-log parameters."""
 
     direction: Array  # (p,) of length 1
@@ -200,7 +200,7 @@ class Identifiability:
             table[i, j] = table[j, i] = collinearity(self.information, [i, j])
         return table
 
-    def least_known(self, number: int = 1) -> list[Combination]:
+    def least_known(self, number: int = 1) -> list[_Combination]:
         """The directions with the largest posterior sd, largest first.
 
         Args:
@@ -211,7 +211,7 @@ class Identifiability:
             raise InputError(f"number is {number}; allowed: 1 to {size}")
         values, vectors = np.linalg.eigh(self.covariance)
         return [
-            Combination(
+            _Combination(
                 direction=vectors[:, i],
                 sd=float(np.sqrt(values[i])),
                 prior_sd=float(np.linalg.norm(vectors[:, i] * self.prior_sd)),

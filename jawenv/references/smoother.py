@@ -50,7 +50,7 @@ SMALLEST_STEP = 1e-4  # of a Gauss-Newton step
 
 
 @dataclass(frozen=True, eq=False)
-class SmoothedPath:
+class _SmoothedPath:
     """A motion that the model makes exactly."""
 
     states: Array  # (T + 1, n)
@@ -60,10 +60,10 @@ class SmoothedPath:
 
 
 @dataclass(frozen=True, eq=False)
-class FoundPath:
+class _FoundPath:
     """The most probable path."""
 
-    path: SmoothedPath  # it
+    path: _SmoothedPath  # it
     path_cov: Array
     """(p, p) of its parameters: inverse of the Gauss-Newton Hessian, with the load cell's gain error considered."""
     costs: tuple[float, ...]
@@ -73,7 +73,7 @@ class FoundPath:
 
 
 @dataclass(frozen=True, eq=False)
-class Smoothed(FoundPath):
+class _Smoothed(_FoundPath):
     """The most probable path, and the parameters whatever the motion."""
 
     mean: Array  # (p,) of the natural-log parameters, the motion integrated out
@@ -124,13 +124,13 @@ class IteratedSmoother:
             np.array([result.cov for result in results]),
         )
 
-    def smooth(self, record: Record) -> Smoothed:
+    def smooth(self, record: Record) -> _Smoothed:
         """The most probable path of a record, and from there the parameters."""
         result = self.find_path(record)
         mean, cov = integrate_out(record, result.path.parameters)
-        return Smoothed(result.path, result.path_cov, result.costs, result.step, result.converged, mean, cov)
+        return _Smoothed(result.path, result.path_cov, result.costs, result.step, result.converged, mean, cov)
 
-    def find_path(self, record: Record) -> FoundPath:
+    def find_path(self, record: Record) -> _FoundPath:
         """The most probable path of a record: motion and parameters together.
 
         The search begins at the extended Kalman filter's last estimate. Each step is halved until the cost falls; if no
@@ -151,7 +151,7 @@ class IteratedSmoother:
                 costs = [path.cost]
             elif size <= self.tolerance or better is None:
                 break
-        return FoundPath(path, cov, tuple(costs), size, size <= self.tolerance)
+        return _FoundPath(path, cov, tuple(costs), size, size <= self.tolerance)
 
 
 class _Problem:
@@ -184,7 +184,7 @@ class _Problem:
             tolerance=np.where(tolerance > 0.0, tolerance, 1.0),
         )
 
-    def first_path(self) -> SmoothedPath:
+    def first_path(self) -> _SmoothedPath:
         """A path through the filtered motion, with the parameters that the extended Kalman filter ends with."""
         record, prior = self.record, self.record.prior
         estimate = ExtendedKalman().estimate(record).mean[-1]
@@ -199,21 +199,21 @@ class _Problem:
         divide(record.jaw, states, parameters, record.dt, self.arrays.parts, self.scratch)
         return self.path(states, np.zeros((len(record.samples), N_NOISE)), parameters)
 
-    def divide(self, path: SmoothedPath) -> bool:
+    def divide(self, path: _SmoothedPath) -> bool:
         """Divide the steps as finely as a path asks for; whether any is finer than before, and so the cost another."""
         record = self.record
         return bool(divide(record.jaw, path.states, path.parameters, record.dt, self.arrays.parts, self.scratch))
 
-    def path(self, states: Array, wrenches: Array, parameters: Array) -> SmoothedPath:
+    def path(self, states: Array, wrenches: Array, parameters: Array) -> _SmoothedPath:
         """The path near a motion, which is overwritten."""
         cost = roll_out(self.arrays, states, wrenches, parameters, self.sweeps, self.scratch)
         deviation = np.concatenate([states[0], parameters, [0.0]]) - self.mean
         free = self.sd > 0.0
-        return SmoothedPath(
+        return _SmoothedPath(
             states, wrenches, parameters, float(cost + 0.5 * np.sum((deviation[free] / self.sd[free]) ** 2))
         )
 
-    def gauss_newton(self, path: SmoothedPath) -> tuple[SmoothedPath, Array]:
+    def gauss_newton(self, path: _SmoothedPath) -> tuple[_SmoothedPath, Array]:
         """The step to the minimum of the linearised problem, and the covariance of the parameters there.
 
         The path is the one that was made last, whose derivatives are kept.
@@ -227,9 +227,9 @@ class _Problem:
         parameters = slice(self.n, self.n + self.p)
         by_gain = considered[parameters]
         cov = covariance[parameters, parameters] + self.record.gain_sd**2 * np.outer(by_gain, by_gain)
-        return SmoothedPath(to_states, wrenches - path.wrenches, mean[parameters], np.nan), cov
+        return _SmoothedPath(to_states, wrenches - path.wrenches, mean[parameters], np.nan), cov
 
-    def search(self, path: SmoothedPath, step: SmoothedPath) -> SmoothedPath | None:
+    def search(self, path: _SmoothedPath, step: _SmoothedPath) -> _SmoothedPath | None:
         """The path after the longest of the halved steps that lets the cost fall."""
         share = 1.0
         while share >= SMALLEST_STEP:

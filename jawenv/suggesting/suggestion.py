@@ -48,7 +48,7 @@ class Expected:
 
 
 @dataclass(frozen=True)
-class Suggestion:
+class _Suggestion:
     """What to record next."""
 
     found: Identification  # of the recording
@@ -73,7 +73,7 @@ class Suggestion:
         return max(point.t_s for point in self.maneuver.channels.opening.points)  # type: ignore[union-attr]
 
 
-def suggest(record: Record, seconds: float = 10.0) -> Suggestion:
+def suggest(record: Record, seconds: float = 10.0) -> _Suggestion:
     """What to record next of the patient of a recording.
 
     Args:
@@ -107,7 +107,7 @@ def suggest(record: Record, seconds: float = 10.0) -> Suggestion:
     patients = [_patient(one, model[1]) for one in rng.multivariate_normal(mean, cov, _DRAWS)]
     known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
     expected, beside = (_expected(Player(one), patients, world, known) for one in (maneuver, Maneuver.named(BESIDE)))
-    return Suggestion(found, maneuver, _worst(cov), expected, beside, _worst(np.linalg.inv(2.0 * known - prior)))
+    return _Suggestion(found, maneuver, _worst(cov), expected, beside, _worst(np.linalg.inv(2.0 * known - prior)))
 
 
 def _patient(theta: Array, tilt_deg: float) -> Patient:

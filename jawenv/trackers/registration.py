@@ -50,7 +50,7 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class Registration:
+class _Registration:
     """The rigid motion x -> turn (x - file) + head from the file's axes to head axes."""
 
     turn: Array  # (3, 3) rotation
@@ -163,7 +163,7 @@ def _is_near(number: Any) -> bool:
     return type(number) in (int, float) and abs(number) < FARTHEST_LANDMARK
 
 
-def register(landmarks: Array, teeth: Array, path: str) -> Registration:
+def register(landmarks: Array, teeth: Array, path: str) -> _Registration:
     """The rigid motion that brings landmarks (3, 3) nearest to the model's teeth (3, 3), mm both, least squares."""
     file, head = landmarks.mean(axis=0), teeth.mean(axis=0)
     size = np.linalg.norm(landmarks - file) / np.linalg.norm(teeth - head)
@@ -174,10 +174,10 @@ def register(landmarks: Array, teeth: Array, path: str) -> Registration:
     if residual > WORST_LANDMARKS_MM:
         allowed = f"{WORST_LANDMARKS_MM:g} mm: incisor and first molars of one jaw"
         raise InputError(f"{path}: landmarks lie {residual:.3g} mm from ours; allowed: {allowed}")
-    return Registration(rotation.as_matrix(), file, head, residual)
+    return _Registration(rotation.as_matrix(), file, head, residual)
 
 
-def in_head_axes(motion: Motion, registration: Registration, mouthpiece: Array) -> tuple[Array, Array]:
+def in_head_axes(motion: Motion, registration: _Registration, mouthpiece: Array) -> tuple[Array, Array]:
     """Place (T, 3) in mm and rotation (T, 3, 3) of the mouthpiece in head axes; it begins at ``mouthpiece`` (3,)."""
     turn = registration.turn
     point = turn.T @ (mouthpiece - registration.head) + registration.file

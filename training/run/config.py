@@ -113,7 +113,7 @@ class EvaluationConfig(InputModel):
         return self
 
 
-class CheckpointConfig(InputModel):
+class _CheckpointConfig(InputModel):
     """Saving of the model: how often, and how many of the latest checkpoints are kept."""
 
     every_steps: PositiveInt = 200_000
@@ -135,7 +135,7 @@ class TrainingConfig(InputModel):
     arguments: dict[str, JsonValue] = {}  # of that class; those left out are as the class has them
     network: NetworkConfig = NetworkConfig()
     evaluation: EvaluationConfig = EvaluationConfig()
-    checkpoints: CheckpointConfig = CheckpointConfig()
+    checkpoints: _CheckpointConfig = _CheckpointConfig()
 
     @model_validator(mode="before")
     @classmethod
