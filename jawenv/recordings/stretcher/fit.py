@@ -35,10 +35,12 @@ Array = NDArray[np.float64]
 GAIN, DRAG, REFERENCE, TONE, TILT = range(N_PARAMETERS, N_PARAMETERS + 5)
 N_UNKNOWN = N_PARAMETERS + 5
 STARTS, START_SD = 6, 0.7
-ITERATIONS, SMALL_GAIN = 40, 1e-3
+ITERATIONS, SMALL_GAIN, SMALL_DAMPING, LARGE_DAMPING = 60, 1e-3, 0.03, 1e3
 LARGEST_STEP, LARGEST_END_STEP_M = 1.2, 3e-3
 FLOOR_MM, FLOOR_N = 0.1, 0.1
 """What statics leaves out of a window."""
+NO_REST_SDS = 3.0
+"""So far off is a window in which the jaw has no equilibrium that it could come to: it runs over the crest."""
 AS_GOOD = 3.0
 """Excess of cost up to which another mode begins draws too."""
 
@@ -95,7 +97,7 @@ class Fit:
         readings = np.repeat([[seen.opening, seen.force]], number, axis=0)
         ends = 1e-3 * np.maximum(readings[:, 0], 0.0) + readings[:, 1] / HOLD_STIFFNESS
         found = self._solve(z[opens], ends, poses, np.zeros((number, N_UNKNOWN)), readings)
-        return found[np.argsort(found.cost)[: np.isfinite(found.cost).sum()]]
+        return found[np.argsort(found.cost)]
 
     def draws(self, modes: Solution, number: int, rng: np.random.Generator) -> Solution:
         """Solutions of perturbed problems, begun at the modes that are as good as the best."""
@@ -132,14 +134,13 @@ class Fit:
         forces: Array = HOLD_STIFFNESS * (ends - found[..., OPENING])
         return forces
 
-    def _residuals(self, z: Array, found: Array, force: Array, readings: Array) -> tuple[Array, Array]:
-        """Opening and force (D, K) less their readings, in sds."""
+    def _residuals(self, z: Array, found: Array, force: Array, readings: Array) -> Array:
+        """Opening and force less their readings, in sds (2, D, K)."""
         gain, drag, reference = (self._sds[i] * z[:, GAIN + i, None] for i in range(3))
-        opening = 1e3 * found[..., OPENING] + reference
-        return (
-            (opening - readings[:, 0]) / self._so,
-            ((1.0 + gain) * force + drag * self._seen.speed - readings[:, 1]) / self._sf,
-        )
+        opening = 1e3 * found[..., OPENING] + reference - readings[:, 0]
+        pull = (1.0 + gain) * force + drag * self._seen.speed - readings[:, 1]
+        rests = found[..., RATE] < AT_REST
+        return np.stack([np.where(rests, opening / self._so, NO_REST_SDS), np.where(rests, pull / self._sf, 0.0)])
 
     def _linear(self, z: Array, found: Array, force: Array) -> tuple[Array, Array, Array]:
         """Derivatives of the residuals by z across the curve (D, K, 17); by z of both; directions along the curve."""
@@ -153,23 +154,19 @@ class Fit:
         by_opening = 1e3 * opening
         by_opening[..., REFERENCE] = sds[2]
         both = np.stack([by_opening / self._so[:, None], by_force / self._sf[:, None]])
+        both *= (found[..., RATE] < AT_REST)[..., None]
         by_end = found[..., BY_END]
         along = np.stack([1e3 * by_end / self._so, gain[..., 0] * HOLD_STIFFNESS * (1.0 - by_end) / self._sf])
         return _across(both, along), both, along
-
-    def _cost(self, z: Array, z0: Array, residuals: tuple[Array, Array], found: Array) -> Array:
-        squares = (residuals[0] ** 2 + residuals[1] ** 2).sum(axis=1) + ((z - z0) ** 2).sum(axis=1)
-        rests = (found[..., RATE] < AT_REST).all(axis=1)
-        return np.where(rests, 0.5 * squares, np.inf)
 
     def _solve(self, z: Array, ends: Array, poses: Array, z0: Array, readings: Array) -> Solution:
         """Levenberg-Marquardt steps of all problems at once, each until it gains no more."""
         z, ends, poses = z.copy(), ends.copy(), poses.copy()
         found = self._found(z, ends, poses, 12)
         force = self._forces(ends, found)
-        residuals = np.stack(self._residuals(z, found, force, readings))
-        cost, damping = self._cost(z, z0, tuple(residuals), found), np.full(len(z), 0.3)
-        open_ = np.isfinite(cost)
+        residuals = self._residuals(z, found, force, readings)
+        cost, damping = _cost(z - z0, residuals), np.full(len(z), 0.3)
+        open_ = np.ones(len(z), dtype=bool)
         for _ in range(ITERATIONS):
             on = np.flatnonzero(open_)
             if not len(on):
@@ -178,10 +175,12 @@ class Fit:
             tried, tried_ends, moved = z[on] + step, ends[on] + end_step, poses[on]
             new = self._found(tried, tried_ends, moved, 4)
             new_force = self._forces(tried_ends, new)
-            new_residuals = np.stack(self._residuals(tried, new, new_force, readings[on]))
-            new_cost = self._cost(tried, z0[on], tuple(new_residuals), new)
+            new_residuals = self._residuals(tried, new, new_force, readings[on])
+            new_cost = _cost(tried - z0[on], new_residuals)
+            moved = np.where((new[..., RATE] < AT_REST)[..., None], moved, poses[on])
             good = new_cost < cost[on]
-            open_[on] = np.where(good, cost[on] - new_cost > SMALL_GAIN, damping[on] < 1e3)
+            done = (cost[on] - new_cost < SMALL_GAIN) & (damping[on] < SMALL_DAMPING)
+            open_[on] = np.where(good, ~done, damping[on] < LARGE_DAMPING)
             damping[on] = np.where(good, 0.25 * damping[on], 4.0 * damping[on] + 1e-3).clip(1e-6, 1e4)
             to = on[good]
             z[to], ends[to], poses[to], found[to] = tried[good], tried_ends[good], moved[good], new[good]
@@ -203,6 +202,12 @@ class Fit:
         after = residuals + (both @ step[..., None])[..., 0]
         end_step = -(along * after).sum(axis=0) / (along**2).sum(axis=0)
         return step, end_step.clip(-LARGEST_END_STEP_M, LARGEST_END_STEP_M)
+
+
+def _cost(off: Array, residuals: Array) -> Array:
+    """Half of the sums of squares (D,) of what z is off and of the residuals (2, D, K)."""
+    cost: Array = 0.5 * ((off**2).sum(axis=1) + (residuals**2).sum(axis=(0, 2)))
+    return cost
 
 
 def _across(both: Array, along: Array) -> Array:

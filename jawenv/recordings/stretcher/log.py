@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 from jawenv.base.errors import InputError
 from jawenv.base.files import read_mapping
 from jawenv.kernels.vec3 import apply
+from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.kinematics import rotation
 from jawenv.recordings.columns import TIME
 from jawenv.recordings.mapping import mapped, read_columns
 from jawenv.recordings.record import Record
+from jawenv.recordings.stretcher.statics import N_PARAMETERS
 from jawenv.recordings.table import RecordTable
+from jawenv.recordings.words import check_numbers, check_texts
 
 Array = NDArray[np.float64]
 
@@ -36,6 +39,7 @@ class StretchLog:
     time: Array  # (T,) s
     opening: Array  # (T,) mm from closed teeth, as far as their place is known
     force: Array  # (T,) N
+    head_tilt_deg: float = 0.0  # positive looking down
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +51,10 @@ class Windows:
     speed: Array  # (K,) mm/s of opening
     opening_sd: Array  # (K,) mm, of noise that differs from row to row
     force_sd: Array  # (K,) N
-    loading: NDArray[np.bool_]  # (K,) before the widest opening
+    loading: NDArray[np.bool_]  # (K,) up to the widest opening
+
+    def __getitem__(self, rows: NDArray[np.bool_]) -> Windows:
+        return Windows(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 def is_log(table: RecordTable, columns: Path | None) -> bool:
@@ -58,6 +65,8 @@ def is_log(table: RecordTable, columns: Path | None) -> bool:
 
 def log_of_table(table: RecordTable, columns: Path | None = None) -> StretchLog:
     """The log that a file holds, checked."""
+    check_texts(table)
+    check_numbers(table, {"states": N_STATES, "parameters": N_PARAMETERS})
     table = mapped(table, {} if columns is None else read_columns(columns, COLUMNS), COLUMNS)
     for name in COLUMNS:
         if name not in table.columns:
@@ -81,7 +90,7 @@ def log_of_table(table: RecordTable, columns: Path | None = None) -> StretchLog:
     for name, values, least in ((OPENING, opening, LEAST_OPENING_MM), (FORCE, force, LEAST_FORCE_N)):
         if np.ptp(values) < least:
             raise InputError(f"{table.path}: {name} changes by {np.ptp(values):.2g}; allowed: {least:g} or more")
-    return StretchLog(table.path, time, opening, force)
+    return StretchLog(table.path, time, opening, force, float(table.header.get("head_tilt_deg", 0.0)))
 
 
 def log_of_record(

@@ -6,8 +6,6 @@ opening o(q) changes with any number p by do/dp = -l . du'/dp, where l solves (d
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -92,11 +90,11 @@ def hang(jaw: Jaw, toned: Jaw, tilted: Jaw, muscles, ends, poses, steps, linear:
 class Statics:
     """Openings and forces of a jaw that is opened slowly, for any muscles, tone and tilt of the head."""
 
-    def __init__(self) -> None:
-        """Build the default jaw, head upright, with the six whole muscles."""
+    def __init__(self, head_tilt_deg: float = 0.0) -> None:
+        """Build the default jaw with the six whole muscles; the head looks down by ``head_tilt_deg``."""
         lines = muscle_set()
         self._lines = list(lines.muscle)
-        self._jaws = [build_jaw(lines).copy() for _ in range(3)]
+        self._jaws = [build_jaw(lines, head_tilt_deg=head_tilt_deg).copy() for _ in range(3)]
         self._gravity, self._tone = self._jaws[0]["gravity"].copy(), float(self._jaws[0]["tone"])
         self._linear = record_zeros(1, linear_dtype(len(lines.muscle), n_muscles=len(MUSCLE_NAMES)))[0]
         self._small = record_zeros(1, linear_dtype(len(lines.muscle)))[0]
@@ -115,7 +113,7 @@ class Statics:
         return law
 
     def path(self, theta: Array, last_mm: float) -> tuple[Array, Array]:
-        """Openings (G, mm) and poses (G, 5) along the branch from the closed jaw, relaxed and upright."""
+        """Openings (G, mm) and poses (G, 5) along the branch from the closed jaw, relaxed."""
         self._set(0.0, 0.0)
         law, jaw = self._law(theta), self._jaws[0]
         pose, openings, poses = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), [], []
@@ -138,7 +136,7 @@ class Statics:
         return found
 
     def forces(self, theta: Array, openings_mm: Array) -> Array:
-        """Vertical forces (N) that hold a relaxed, upright jaw (12) so far open; not-a-number beyond its branch."""
+        """Vertical forces (N) that hold a relaxed jaw (12) so far open; not-a-number beyond its branch."""
         reached, poses = self.path(theta, float(openings_mm.max()) + GRID_MM)
         if len(reached) < 2:
             return np.full(len(openings_mm), np.nan)
@@ -150,8 +148,3 @@ class Statics:
         found = self.hung(theta, ends, start, steps=12)
         good = (found[:, RATE] < AT_REST) & (openings_mm <= reached[-1])
         return np.where(good, HOLD_STIFFNESS * (ends - found[:, OPENING]), np.nan)
-
-
-def spring_force(ends: Array, found: Array) -> Any:
-    """Forces (N) of the springs with these ends, from what ``hang`` has found (..., 17)."""
-    return HOLD_STIFFNESS * (ends - found[..., OPENING])
