@@ -43,10 +43,10 @@ OFF: Mapping[str, Any] = {
 }
 NAMES = ("trismus", "one_sided", "severe")
 ROWS = (
-    *((name, name, "none") for name in NAMES),
     *((name, name, "reference, tone, tilt") for name in NAMES),
-    *((name, "anyone", "reference, tone, tilt") for name in NAMES),
     ("trismus", "trismus", "creep, 0.3"),
+    *((name, name, "none") for name in NAMES),
+    *((name, "anyone", "reference, tone, tilt") for name in NAMES),
 )
 """Cohort, cohort that is assumed, what is off."""
 
@@ -126,7 +126,7 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--patients", type=int, default=48, help="of each row")
-    parser.add_argument("--seed", type=int, default=440_000)
+    parser.add_argument("--seed", type=int, default=450_000)
     arguments = parser.parse_args()
     print("# Logs of force and opening\n")
     print(f"`python -m research.stretcher --patients {arguments.patients} --seed {arguments.seed}`:\n")

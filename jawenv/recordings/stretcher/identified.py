@@ -16,12 +16,16 @@ from jawenv.recordings.stretcher.statics import Statics
 
 Array = NDArray[np.float64]
 
-DRAWS, LEAST_DRAWS, PRIOR_DRAWS = 160, 40, 5
-"""Of the posterior, at least believed, and of the prior for each."""
-RARE, RARER = 1e-3, 1e-4
-"""Chances that an honest log, and one of its draws, fit worse."""
+DRAWS, PRIOR_DRAWS = 160, 5
+"""Of the posterior, and of the prior for each of them."""
+LEAST_SHARE = 0.9
+"""Of the draws that come to their minimum: more fail where the condyle runs over the crest."""
+RARE, FAR_SDS = 1e-3, 3.5
+"""Chance that an honest log fits worse; sds by which a draw may fit worse than draws do on average."""
 OFF_TEETH_MM = 1.0
 LEAST_WINDOWS = 6
+SHARES = (1.0, 0.8)
+"""Parts of the opening that are tried: at the end of it a condyle may run over the crest, where nothing is at rest."""
 LIGHT = 0.01
 """Weight of a group below which none of its patients is drawn."""
 GRID_MM = 5.0
@@ -40,14 +44,15 @@ class Stretched:
     prior: Array  # (P, 12) the same before the log, of the groups of the cohort that explain it
     openings: Array  # (G,) mm, up to the opening that was reached
     forces: Array  # (D, G) N that hold the relaxed jaw there
+    settled: float  # share of the draws that came to their minimum
     misfit: float  # chi-square of the best fit over the largest that is believed
-    reached_mm: float
+    reached_mm: float  # opening up to which the log is explained
     hysteresis_N: float  # force while it opens less force while it closes, at the same openings
 
     @property
     def doubts(self) -> list[str]:
         """Why nothing is told; empty where the log is believed."""
-        if self.misfit <= 1.0 and len(self.theta) >= LEAST_DRAWS:
+        if self.misfit <= 1.0 and self.settled >= LEAST_SHARE:
             return []
         doubts = [f"no relaxed jaw of this cohort has such a curve: misfit {self.misfit:.3g}; allowed: 1"]
         if self.hysteresis_N > HYSTERESIS_N:
@@ -63,7 +68,6 @@ class Stretched:
         return not self.doubts
 
 
-
 def stretched(
     log: StretchLog, cohort: Cohort, assumed: Assumed | None = None, *, draws: int = DRAWS, seed: int = 0
 ) -> Stretched:
@@ -76,8 +80,28 @@ def stretched(
         draws: of the posterior.
         seed: of the draws.
     """
-    assumed, statics, rng = assumed or Assumed(), Statics(log.head_tilt_deg), np.random.default_rng(seed)
-    seen = _off_the_teeth(windows(log))
+    assumed, statics, whole = assumed or Assumed(), Statics(log.head_tilt_deg), _off_the_teeth(windows(log))
+    hysteresis, found = _hysteresis(whole), []
+    for share in SHARES if hysteresis < HYSTERESIS_N else SHARES[:1]:
+        seen, rng = whole[whole.opening <= share * whole.opening.max()], np.random.default_rng(seed)
+        theta, prior, misfit = _posterior(statics, seen, cohort, assumed, draws, rng)
+        reached = float(seen.opening.max())
+        openings = np.arange(min(GRID_MM, np.floor(reached)), reached, GRID_MM)
+        forces = np.array([statics.forces(row, openings) for row in theta]).reshape(len(theta), len(openings))
+        found.append(
+            Stretched(
+                log, cohort, assumed, theta, prior, openings, forces, len(theta) / draws, misfit, reached, hysteresis
+            )
+        )
+        if found[-1].believed:
+            return found[-1]
+    return found[0]
+
+
+def _posterior(
+    statics: Statics, seen: Windows, cohort: Cohort, assumed: Assumed, draws: int, rng: np.random.Generator
+) -> tuple[Array, Array, float]:
+    """Draws of the parameters after and before the log (D, 12), and the misfit; none where it is above 1."""
     fits, modes, weights = _explained(statics, seen, cohort, assumed, rng)
     best = min((float(mode.cost[0]) for mode in modes), default=np.inf)
     number = len(seen.opening)
@@ -88,16 +112,22 @@ def stretched(
         if count:
             before.append(fit.theta(rng.standard_normal((PRIOR_DRAWS * count, N_UNKNOWN))))
             found = fit.draws(mode, int(count), rng)
-            after.append(fit.theta(found.z[2.0 * found.cost < chi2.isf(RARER, number)]))
-    theta, reached = np.concatenate(after), float(seen.opening.max())
-    openings = np.arange(min(GRID_MM, np.floor(reached)), reached, GRID_MM)
-    forces = np.array([statics.forces(row, openings) for row in theta]).reshape(len(theta), len(openings))
-    prior, hysteresis = np.concatenate(before), _hysteresis(seen)
-    return Stretched(log, cohort, assumed, theta, prior, openings, forces, misfit, reached, hysteresis)
+            after.append(fit.theta(found.z[found.cost < _largest_cost(mode.cost[0], number)]))
+    return np.concatenate(after), np.concatenate(before), misfit
+
+
+def _largest_cost(best: float, number: int) -> float:
+    """The largest cost of a draw that has come to its minimum, where the unperturbed problem has the cost ``best``.
+
+    Of a linear model 2 cost = |r + P e|^2 with |r|^2 = 2 best and ``number`` standard normals P e.
+    """
+    return best + 0.5 * number + 0.5 * FAR_SDS * float(np.sqrt(8.0 * best + 2.0 * number))
 
 
 def _off_the_teeth(seen: Windows) -> Windows:
-    return seen[seen.opening > seen.opening.min() + OFF_TEETH_MM]
+    """Windows of an open jaw: without those on the teeth and their neighbours, in which it lifts off."""
+    closed = np.pad(seen.opening <= seen.opening.min() + OFF_TEETH_MM, 1)
+    return seen[~(closed[:-2] | closed[1:-1] | closed[2:])]
 
 
 def _explained(

@@ -26,7 +26,7 @@ OPENING, FORCE = "opening_mm", "force_N"
 COLUMNS = (TIME, OPENING, FORCE)
 LIMITS = {OPENING: (-10.0, 80.0), FORCE: (-20.0, 100.0)}
 LEAST_ROWS, LEAST_OPENING_MM, LEAST_FORCE_N = 60, 5.0, 2.0
-MOST_WINDOWS, ROWS_OF_A_WINDOW = 20, 6
+MOST_WINDOWS, ROWS_OF_A_WINDOW = 30, 6
 LEAST_NOISE = 0.02
 """mm and N: digits that a log may leave out."""
 
@@ -119,7 +119,7 @@ def log_of_record(
 
 
 def windows(log: StretchLog) -> Windows:
-    """The log in up to twenty windows of as many rows; noise is what the rows scatter about the parabolas."""
+    """The log in up to thirty windows of as many rows; noise is what the rows scatter about the parabolas."""
     number = min(MOST_WINDOWS, len(log.time) // ROWS_OF_A_WINDOW)
     found, scatter, freedom = [], np.zeros(2), 0
     for rows in np.array_split(np.arange(len(log.time)), number):

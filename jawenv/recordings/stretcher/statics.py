@@ -29,6 +29,8 @@ OPENING, BY_END, BY_TONE, BY_TILT, RATE = N_PARAMETERS, N_PARAMETERS + 1, N_PARA
 N_FOUND = N_PARAMETERS + 5
 AT_REST = 1e-2  # m/s2 or rad/s2, at most left over; the weight is 10 m/s2
 GRID_MM = 2.0
+SPRING_MM = 4.0
+"""Beyond an opening that the spring's end is moved, so that it is reached under 40 N and more."""
 
 
 @njit
@@ -37,9 +39,9 @@ def hang(jaw: Jaw, toned: Jaw, tilted: Jaw, muscles, ends, poses, steps, linear:
 
     Fills ``found`` (K, 17): derivatives of the opening by the twelve log parameters, the opening (m), its derivatives
     by end, tone (1/N) and tilt (1/rad), and the acceleration that is left. ``toned`` and ``tilted`` are the jaw with
-    a little more of either; ``linear`` and ``work`` (7, 5) are working memory.
+    a little more of either; ``linear`` and ``work`` (6, 5) are working memory.
     """
-    matrix, right, slope_of = work[:5], work[5], work[6]
+    matrix, right = work[:5], work[5]
     arm = vector3(jaw.mouthpiece)
     still = (0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(len(ends)):
@@ -98,7 +100,7 @@ class Statics:
         self._gravity, self._tone = self._jaws[0]["gravity"].copy(), float(self._jaws[0]["tone"])
         self._linear = record_zeros(1, linear_dtype(len(lines.muscle), n_muscles=len(MUSCLE_NAMES)))[0]
         self._small = record_zeros(1, linear_dtype(len(lines.muscle)))[0]
-        self._work = np.empty((7, 5))
+        self._work = np.empty((6, 5))
 
     def _set(self, tone_N: float, tilt_rad: float) -> None:
         offsets = ((0.0, 0.0), (TONE_STEP_N, 0.0), (0.0, TILT_STEP_RAD))
@@ -137,7 +139,7 @@ class Statics:
 
     def forces(self, theta: Array, openings_mm: Array) -> Array:
         """Vertical forces (N) that hold a relaxed jaw (12) so far open; not-a-number beyond its branch."""
-        reached, poses = self.path(theta, float(openings_mm.max()) + GRID_MM)
+        reached, poses = self.path(theta, float(openings_mm.max()) + SPRING_MM)
         if len(reached) < 2:
             return np.full(len(openings_mm), np.nan)
         start = np.stack([np.interp(openings_mm, reached, poses[:, i]) for i in range(5)], -1)
