@@ -99,9 +99,9 @@ def row(name: str, assumed: str, off: str, patients: int, seed: int) -> list[str
         for mm, curve in zip(OPENINGS_MM, curves, strict=True):
             if mm in found.openings:
                 draws = np.log(found.forces[:, list(found.openings).index(mm)])
-                curve.append(_judged(draws, np.log(statics.forces(theta, np.array([mm]))[0])))
+                curve.append(_judged(draws, float(np.log(statics.forces(theta, np.array([mm]))[0]))))
         pull, true = pulls(found.theta), pulls(theta)
-        total.append(_judged(pull["all"], true["all"]))
+        total.append(_judged(pull["all"], float(true["all"])))
         told.append(np.std(pull["left : right"]) / np.std(pulls(found.prior)["left : right"]))
     seconds = (time.process_time() - begun) / patients
     cells = [name, assumed, off, f"{refused} of {patients}"]

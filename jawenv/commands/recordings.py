@@ -52,7 +52,9 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     """
     table = read_table(checked_path(path), WORDS)
     if is_log(table, reading["columns"]):
-        return importlib.import_module("jawenv.commands.stretcher").identify_log(table, reading, page, answer)
+        from jawenv.commands.stretcher import identify_log
+
+        return identify_log(table, reading, page, answer)
     write_page = None if page is None else _page_writer()
     for output in (page, answer):
         if output is not None:

@@ -41,7 +41,7 @@ def identify_log(table: RecordTable, reading: Mapping[str, Any], page: Path | No
     Returns:
         Exit code: 0, or 3 where a log is not to be believed.
     """
-    given = {name for name, value in (reading | {"page": page}).items() if value is not None}
+    given = {name for name, value in ({**reading, "page": page}).items() if value is not None}
     if others := sorted(given.difference(ALLOWED)):
         name, allowed = others[0].removesuffix("_hz"), ", ".join(f"--{name}" for name in (*ALLOWED, "json"))
         raise InputError(f"{table.path}: --{name} with a log of force and opening; allowed: {allowed}")

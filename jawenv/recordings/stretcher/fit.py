@@ -197,7 +197,7 @@ class Fit:
         diagonal = curvature[:, range(N_UNKNOWN), range(N_UNKNOWN)]
         curvature[:, range(N_UNKNOWN), range(N_UNKNOWN)] = (1.0 + damping[:, None]) * diagonal
         slope = (across.swapaxes(1, 2) @ left)[..., 0] + z - z0
-        step = -np.linalg.solve(curvature, slope[..., None])[..., 0]
+        step: Array = -np.linalg.solve(curvature, slope[..., None])[..., 0]
         step *= np.minimum(1.0, LARGEST_STEP / np.abs(step).max(axis=1, keepdims=True))
         after = residuals + (both @ step[..., None])[..., 0]
         end_step = -(along * after).sum(axis=0) / (along**2).sum(axis=0)
@@ -213,4 +213,5 @@ def _cost(off: Array, residuals: Array) -> Array:
 def _across(both: Array, along: Array) -> Array:
     """Parts of (opening, force) vectors (2, D, K, n) that moving an end along the curve (2, D, K) cannot undo."""
     unit = along / np.sqrt((along**2).sum(axis=0))
-    return unit[1][..., None] * both[0] - unit[0][..., None] * both[1]
+    across: Array = unit[1][..., None] * both[0] - unit[0][..., None] * both[1]
+    return across

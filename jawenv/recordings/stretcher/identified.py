@@ -1,4 +1,4 @@
-"""What a force-opening log tells: the curve of force against opening, the total pull, and what stays unknown."""
+"""The answer of a force-opening log: the curve of force against opening, the total pull, and what stays unknown."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ def log_of_record(
     opening = 1e3 * (record.jaw["mouthpiece"][2] - record.measured[:-1, 2])
     means = [np.reshape(values[: rows * every], (rows, every)).mean(axis=1) for values in (opening, down)]
     noise = rng.standard_normal((2, rows)) * [[opening_sd], [force_sd]]
-    time = (np.arange(rows) + 0.5) * every * record.dt
+    time = np.array((np.arange(rows) + 0.5) * every * record.dt, dtype=np.float64)
     return StretchLog("record", time, means[0] + noise[0], means[1] + noise[1])
 
 
