@@ -88,7 +88,8 @@ def row(name: str, assumed: str, off: str, patients: int, seed: int) -> list[str
     """Cells of a row."""
     statics, population = Statics(), cohort(assumed)
     curves: list[list[tuple[float, float]]] = [[] for _ in OPENINGS_MM]
-    total, told, refused = [], [], 0
+    total: list[tuple[bool, float]] = []
+    told, refused = [], 0
     made, truth = logs(name, patients, seed, off)
     begun = time.process_time()
     for log, theta in zip(made, truth, strict=True):
@@ -105,7 +106,7 @@ def row(name: str, assumed: str, off: str, patients: int, seed: int) -> list[str
         told.append(np.std(pull["left : right"]) / np.std(pulls(found.prior)["left : right"]))
     seconds = (time.process_time() - begun) / patients
     cells = [name, assumed, off, f"{refused} of {patients}"]
-    cells += [_cell(judged) for judged in (*curves, total)]
+    cells += [*map(_cell, curves), _cell(total)]
     return [*cells, f"{np.median(told):.2f}" if told else "", f"{seconds:.1f}"]
 
 

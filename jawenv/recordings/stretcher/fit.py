@@ -197,7 +197,7 @@ class Fit:
         diagonal = curvature[:, range(N_UNKNOWN), range(N_UNKNOWN)]
         curvature[:, range(N_UNKNOWN), range(N_UNKNOWN)] = (1.0 + damping[:, None]) * diagonal
         slope = (across.swapaxes(1, 2) @ left)[..., 0] + z - z0
-        step: Array = -np.linalg.solve(curvature, slope[..., None])[..., 0]
+        step = np.asarray(-np.linalg.solve(curvature, slope[..., None])[..., 0], dtype=np.float64)
         step *= np.minimum(1.0, LARGEST_STEP / np.abs(step).max(axis=1, keepdims=True))
         after = residuals + (both @ step[..., None])[..., 0]
         end_step = -(along * after).sum(axis=0) / (along**2).sum(axis=0)
