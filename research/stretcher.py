@@ -87,7 +87,7 @@ def logs(name: str, patients: int, seed: int, off: str) -> tuple[list[StretchLog
 def row(name: str, assumed: str, off: str, patients: int, seed: int) -> list[str]:
     """Cells of a row."""
     statics, population = Statics(), cohort(assumed)
-    curves: list[list[tuple[float, float]]] = [[] for _ in OPENINGS_MM]
+    curves: list[list[tuple[bool, float]]] = [[] for _ in OPENINGS_MM]
     total: list[tuple[bool, float]] = []
     told, refused = [], 0
     made, truth = logs(name, patients, seed, off)
