@@ -89,6 +89,9 @@ def _identify_command(
     resample: Annotated[
         float | None, typer.Option(help="Interpolate uneven times to so many rows a second.", metavar="HZ")
     ] = None,
+    before: Annotated[
+        Path | None, typer.Option(help="An earlier log of force and opening of the same patient.", metavar="FILE")
+    ] = None,
     page: Annotated[
         Path | None, typer.Option(help="Write the patient's page; needs a clone of the project.", metavar="FILE.html")
     ] = None,
@@ -105,7 +108,7 @@ def _identify_command(
     """
     from jawenv.commands.recordings import check, identify
 
-    reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample}
+    reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample, "before": before}
     return check(recording, reading) if check_only else identify(recording, reading, page, json)
 
 

@@ -29,7 +29,10 @@ from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
+from jawenv.recordings.stretcher.log import is_log
+from jawenv.recordings.table import checked_path, read_table
 from jawenv.recordings.untold.learnt import identified_with_errors
+from jawenv.recordings.words import WORDS
 
 NOT_BELIEVABLE = 3
 SD_95 = 1.96
@@ -48,13 +51,18 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     Returns:
         Exit code: 0, or 3 where the estimates are not to be believed.
     """
+    table = read_table(checked_path(path), WORDS)
+    if is_log(table, reading["columns"]):
+        from jawenv.commands.stretcher import identify_log
+
+        return identify_log(table, reading, page, answer)
     write_page = None if page is None else _page_writer()
     for output in (page, answer):
         if output is not None:
             check_kept(output, [path, reading.get("columns")])
     if page is not None and answer is not None and page.resolve() == answer.resolve():
         raise InputError(f"--page and --json are both {page}; allowed: two files")
-    record = load_record(path, UNKNOWN, **reading)
+    record = load_record(table, UNKNOWN, **reading)
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -38,13 +38,13 @@ class Source(InputModel):
     sign: Literal[1, -1] = 1  # -1 where its axis points the other way
 
 
-def read_columns(path: Path) -> dict[str, Source]:
-    """Read a mapping file: for each column of the project its name, unit and sign in the file."""
+def read_columns(path: Path, names: Sequence[str] = NAMES) -> dict[str, Source]:
+    """Read a mapping file: for each column of the project, one of ``names``, its name, unit and sign in the file."""
     data: Mapping[str, Any] = read_mapping(path)
     for name in data:
-        if name not in NAMES:
+        if name not in names:
             raise InputError(
-                f"{path}: column is {shown(name)}; {meant(str(name), NAMES)}allowed: {', '.join(NAMES[:25])}"
+                f"{path}: column is {shown(name)}; {meant(str(name), names)}allowed: {', '.join(names[:25])}"
             )
     sources = {name: validate(Source, item, f"{path}: {name}") for name, item in data.items()}
     for name, source in sources.items():
@@ -53,9 +53,9 @@ def read_columns(path: Path) -> dict[str, Source]:
     return sources
 
 
-def mapped(table: RecordTable, sources: Mapping[str, Source]) -> RecordTable:
+def mapped(table: RecordTable, sources: Mapping[str, Source], names: Sequence[str] = NAMES) -> RecordTable:
     """The table with the project's columns and units; without a mapping the same, with the row of units checked."""
-    columns = {name: values for name, values in table.columns.items() if name in NAMES or not sources}
+    columns = {name: values for name, values in table.columns.items() if name in names or not sources}
     units = {name: unit for name, unit in table.units.items() if name in columns and unit}
     for name, source in sources.items():
         if source.name not in table.columns:
@@ -72,7 +72,7 @@ def mapped(table: RecordTable, sources: Mapping[str, Source]) -> RecordTable:
                 f"{table.path}: {shown(source.name)} is in {shown(written)}; allowed by the mapping: {unit}"
             )
     for name, written in units.items():
-        if name in NAMES and not _same(name, written, _unit_of(name), table.path):
+        if name in names and not _same(name, written, _unit_of(name), table.path):
             allowed = f"{_unit_of(name)}, or a mapping file that says otherwise (--columns)"
             raise InputError(f"{table.path}: {name} is in {shown(written)}; allowed: {allowed}")
     return replace(table, columns={name: np.asarray(values) for name, values in columns.items()})

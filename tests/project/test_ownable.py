@@ -57,7 +57,7 @@ LEAVES = {
         ("jawenv/recordings/mapping.py", "jawenv/recordings/dialects.py", "jawenv/recordings/resampling.py"),
         ("jawenv/recordings/files.py", "jawenv/recordings/table.py"),
         ("tests/recordings/test_dialects.py",),
-        ("trackers",),
+        ("trackers", "stretcher's logs"),
     ),
     "answer": Leaf(
         ("jawenv/commands/answer.py",), ("jawenv/commands/recordings.py",), ("tests/commands/test_answer.py",)
@@ -86,6 +86,11 @@ LEAVES = {
         ("jawenv/commands/recordings.py", "jawenv/metrics/score.py"),
         ("tests/recordings/untold",),
         ("patient's page",),
+    ),
+    "stretcher's logs": Leaf(
+        ("jawenv/recordings/stretcher/*", "jawenv/commands/stretcher.py"),
+        ("jawenv/commands/recordings.py",),
+        ("tests/recordings/stretcher", "tests/commands/test_stretcher.py"),
     ),
     "patient's page": Leaf(
         ("eval/patient/*", "eval/commands/patient.py"), (EVAL, "jawenv/commands/recordings.py"), ("tests/eval/patient",)
@@ -216,7 +221,7 @@ LEAVES = {
         ("tests/envs/test_own_estimators.py",),
     ),
     "openings of patients": Leaf(
-        ("jawenv/mechanics/passive_opening.py",), (), ("tests/mechanics/test_equilibrium.py",)
+        ("jawenv/mechanics/passive_opening.py",), (), ("tests/mechanics/test_equilibrium.py",), ("stretcher's logs",)
     ),
     "research": Leaf(("research/*",), (), ("tests/project/test_research.py",)),
     "notebooks": Leaf(("eval/notebooks/*",), (), ("eval/notebooks",)),

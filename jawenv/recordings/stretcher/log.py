@@ -1,0 +1,136 @@
+"""A log of a clinic's stretcher, time, opening and force: read from a file, or cut from a played episode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.base.errors import InputError
+from jawenv.base.files import read_mapping
+from jawenv.kernels.vec3 import apply
+from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.kinematics import rotation
+from jawenv.recordings.columns import TIME
+from jawenv.recordings.mapping import mapped, read_columns
+from jawenv.recordings.record import Record
+from jawenv.recordings.stretcher.statics import N_PARAMETERS
+from jawenv.recordings.table import RecordTable
+from jawenv.recordings.words import check_numbers, check_texts
+
+Array = NDArray[np.float64]
+
+OPENING, FORCE = "opening_mm", "force_N"
+COLUMNS = (TIME, OPENING, FORCE)
+LIMITS = {OPENING: (-10.0, 80.0), FORCE: (-20.0, 100.0)}
+LEAST_ROWS, LEAST_OPENING_MM, LEAST_FORCE_N = 60, 5.0, 2.0
+MOST_WINDOWS, ROWS_OF_A_WINDOW = 30, 6
+LEAST_NOISE = 0.02
+"""mm and N: digits that a log may leave out."""
+
+
+@dataclass(frozen=True, eq=False)
+class StretchLog:
+    """A slow stretch of one jaw: force straight down on the lower incisors against their opening."""
+
+    path: str
+    time: Array  # (T,) s
+    opening: Array  # (T,) mm from closed teeth, as far as their place is known
+    force: Array  # (T,) N
+    head_tilt_deg: float = 0.0  # positive looking down
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Stretches of a log, each as one reading of both columns: the values of parabolas at their middles."""
+
+    opening: Array  # (K,) mm
+    force: Array  # (K,) N
+    speed: Array  # (K,) mm/s of opening
+    opening_sd: Array  # (K,) mm, of noise that differs from row to row
+    force_sd: Array  # (K,) N
+    loading: NDArray[np.bool_]  # (K,) up to the widest opening
+
+    def __getitem__(self, rows: NDArray[np.bool_]) -> Windows:
+        return Windows(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+
+def is_log(table: RecordTable, columns: Path | None) -> bool:
+    """Whether a file, or the mapping file to it, has an opening or one force in place of a mouthpiece's motion."""
+    names = table.columns if columns is None else read_mapping(columns)
+    return OPENING in names or FORCE in names
+
+
+def log_of_table(table: RecordTable, columns: Path | None = None) -> StretchLog:
+    """The log that a file holds, checked."""
+    check_texts(table)
+    check_numbers(table, {"states": N_STATES, "parameters": N_PARAMETERS})
+    table = mapped(table, {} if columns is None else read_columns(columns, COLUMNS), COLUMNS)
+    for name in COLUMNS:
+        if name not in table.columns:
+            raise InputError(f"{table.path}: column {name} is missing; allowed: {', '.join(COLUMNS)}")
+    for name in table.columns:
+        if name not in COLUMNS:
+            raise InputError(f"{table.path}: column {name} is unknown; allowed: {', '.join(COLUMNS)}")
+    for name in COLUMNS:
+        low, high = LIMITS.get(name, (-np.inf, np.inf))
+        values = table.columns[name]
+        bad = np.flatnonzero(~(np.isfinite(values) & (values >= low) & (values <= high)))
+        if len(bad):
+            allowed = f"{low:g} to {high:g}" if name in LIMITS else "a finite number"
+            raise table.fail(name, int(bad[0]), f"{values[bad[0]]:g}", allowed)
+    time, opening, force = (table.columns[name] for name in COLUMNS)
+    if len(time) < LEAST_ROWS:
+        raise InputError(f"{table.path}: has {len(time)} rows; allowed: {LEAST_ROWS} or more")
+    back = np.flatnonzero(np.diff(time) <= 0.0)
+    if len(back):
+        raise table.fail(TIME, int(back[0]) + 1, f"{time[back[0] + 1]:g}", "growing times")
+    for name, values, least in ((OPENING, opening, LEAST_OPENING_MM), (FORCE, force, LEAST_FORCE_N)):
+        if np.ptp(values) < least:
+            raise InputError(f"{table.path}: {name} changes by {np.ptp(values):.2g}; allowed: {least:g} or more")
+    return StretchLog(table.path, time, opening, force, float(table.header.get("head_tilt_deg", 0.0)))
+
+
+def log_of_record(
+    record: Record, *, hz: float = 10.0, opening_sd: float = 0.5, force_sd: float = 0.3, seed: int = 0
+) -> StretchLog:
+    """The log that a stretcher would have written of a played episode: all but two columns are cut off.
+
+    Args:
+        record: of force control, with both vertical motors alike.
+        hz: rows a second, each the mean of the ticks of its time.
+        opening_sd: white noise of the rows, mm.
+        force_sd: the same, N.
+        seed: of the noise.
+    """
+    every = round(1.0 / hz / record.dt)
+    if not 1 <= every <= len(record.samples):
+        raise InputError(f"hz is {hz:g}; allowed: {1.0 / record.time[-1]:.2g} to {1.0 / record.dt:g}")
+    rng, rows = np.random.default_rng(seed), len(record.samples) // every
+    turned = (rotation((0.0, 0.0, *angles)) for angles in record.measured[:-1, 3:6])
+    down = [-apply(turn, tuple(force))[2] for turn, force in zip(turned, record.samples[:, 1, :3], strict=True)]
+    opening = 1e3 * (record.jaw["mouthpiece"][2] - record.measured[:-1, 2])
+    means = [np.reshape(values[: rows * every], (rows, every)).mean(axis=1) for values in (opening, down)]
+    noise = rng.standard_normal((2, rows)) * [[opening_sd], [force_sd]]
+    time = np.array((np.arange(rows) + 0.5) * every * record.dt, dtype=np.float64)
+    return StretchLog("record", time, means[0] + noise[0], means[1] + noise[1])
+
+
+def windows(log: StretchLog) -> Windows:
+    """The log in up to thirty windows of as many rows; noise is what the rows scatter about the parabolas."""
+    number = min(MOST_WINDOWS, len(log.time) // ROWS_OF_A_WINDOW)
+    found, scatter, freedom = [], np.zeros(2), 0
+    for rows in np.array_split(np.arange(len(log.time)), number):
+        t = log.time[rows] - 0.5 * (log.time[rows[0]] + log.time[rows[-1]])
+        columns = np.stack([log.opening[rows], log.force[rows]], -1)
+        share = np.linalg.pinv(shape := np.vander(t, 3, increasing=True))
+        fitted = share @ columns
+        scatter += ((columns - shape @ fitted) ** 2).sum(axis=0)
+        freedom += len(rows) - 3
+        found.append((*fitted[0], fitted[1, 0], np.linalg.norm(share[0])))
+    opening, force, speed, factor = np.array(found).T
+    noise = np.hypot(np.sqrt(scatter / freedom), LEAST_NOISE)
+    loading = np.arange(number) <= opening.argmax()
+    return Windows(opening, force, speed, noise[0] * factor, noise[1] * factor, loading)

@@ -1,0 +1,87 @@
+"""A log is read from three columns or refused in one line, and cut from a played episode."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jawenv.base.errors import InputError
+from jawenv.recordings.stretcher.log import COLUMNS, is_log, log_of_record, log_of_table, windows
+from jawenv.recordings.table import read_table
+from jawenv.recordings.words import WORDS
+from tests.recorded import recording
+from tests.stretched_logs import log_of, patient, written
+
+LOG = log_of(patient())
+
+
+def table(log, path, **kwargs):
+    written(log, path, **kwargs)
+    return read_table(path, WORDS)
+
+
+def test_three_columns_are_a_log(tmp_path):
+    read = log_of_table(table(LOG, tmp_path / "log.csv"))
+    np.testing.assert_allclose([read.opening, read.force], [LOG.opening, LOG.force], atol=1e-4)
+
+
+def test_a_mapping_says_names_and_units(tmp_path):
+    columns = tmp_path / "map.toml"
+    columns.write_text(
+        'time_s = {name = "t", unit = "ms"}\nopening_mm = {name = "o", unit = "cm"}\n'
+        'force_N = {name = "f", sign = -1}\n',
+        encoding="utf-8",
+    )
+    given = table(LOG, tmp_path / "log.csv", names=("t", "o", "f"), factors=(1e3, 0.1, -1.0))
+    assert is_log(given, columns) and not is_log(given, None)
+    read = log_of_table(given, columns)
+    np.testing.assert_allclose([read.opening, read.force], [LOG.opening, LOG.force], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changed", "names", "told"),
+    [
+        ({}, ("time_s", "opening_mm", "Fz"), "column force_N is missing; allowed: time_s, opening_mm, force_N"),
+        (
+            {"opening": np.where(np.arange(300) == 4, np.nan, LOG.opening)},
+            COLUMNS,
+            "opening_mm in row 6 is nan; allowed: -10 to 80",
+        ),
+        ({"force": 20.0 * LOG.force}, COLUMNS, "allowed: -20 to 100"),
+        ({"opening": 1e-3 * LOG.opening}, COLUMNS, "opening_mm changes by 0.0"),
+        ({"force": 0.0 * LOG.force}, COLUMNS, "force_N changes by 0; allowed: 2 or more"),
+        (
+            {"time": np.where(np.arange(300) == 4, 0.0, LOG.time)},
+            COLUMNS,
+            "time_s in row 6 is 0; allowed: growing times",
+        ),
+    ],
+)
+def test_what_is_no_log_is_refused_in_one_line(tmp_path, changed, names, told):
+    with pytest.raises(InputError) as refused:
+        log_of_table(table(replace(LOG, **changed), tmp_path / "log.csv", names=names))
+    assert told in str(refused.value)
+
+
+def test_too_few_rows_are_refused(tmp_path):
+    few = replace(LOG, time=LOG.time[:59], opening=LOG.opening[:59], force=LOG.force[:59])
+    with pytest.raises(InputError, match="has 59 rows; allowed: 60 or more"):
+        log_of_table(table(few, tmp_path / "log.csv"))
+
+
+def test_windows_find_the_noise_of_the_rows():
+    seen = windows(LOG)
+    factor = seen.opening_sd[3] / seen.force_sd[3]
+    assert factor == pytest.approx(0.5 / 0.3, rel=0.2)
+    assert seen.opening_sd[3] == pytest.approx(0.5 * np.sqrt(9.0 / 4.0 / 10.0), rel=0.15)  # of a parabola's middle
+    assert 14 <= seen.loading.sum() <= 17
+
+
+def test_a_played_episode_is_cut_to_two_columns():
+    record = recording().records[0]
+    log = log_of_record(record, opening_sd=0.0, force_sd=0.0)
+    assert len(log.time) == 30
+    assert log.opening.mean() == pytest.approx(1e3 * (record.jaw["mouthpiece"][2] - record.measured[:-1, 2]).mean())
+    assert np.abs(log.force).max() <= np.linalg.norm(record.samples[:, 1, :3], axis=1).max()
+    with pytest.raises(InputError, match="hz is 1000"):
+        log_of_record(record, hz=1000.0)
