@@ -51,7 +51,7 @@ ROWS = (
 """Cohort, cohort that is assumed, what is off."""
 
 
-class Stretch:
+class _Stretch:
     """A pull of both vertical motors that grows and falls."""
 
     control, steps_per_s = "force", STEPS_PER_S
@@ -70,27 +70,27 @@ class Stretch:
         return action, None
 
 
-def logs(name: str, patients: int, seed: int, off: str) -> tuple[list[StretchLog], Array]:
+def _logs(name: str, patients: int, seed: int, off: str) -> tuple[list[StretchLog], Array]:
     """Logs of patients, and their natural-log parameters (n, 12)."""
     newton, effect = LARGEST_N.get(name, USUAL_N), OFF[off]
     world = {"cohort": name, "episode_s": SECONDS, "record": True, "track_bound": False, "reality": effect["reality"]}
     world["device"] = {"full_scale_N": newton / 2.0}
     if newton > USUAL_N:
         world["comfort"] = {"painless_force_N": newton, "force_N": newton}
-    played = jawenv.play(Stretch(), patients=patients, seed=seed, env_kwargs=world)
+    played = jawenv.play(_Stretch(), patients=patients, seed=seed, env_kwargs=world)
     assert played.records is not None
     shifts = effect["reference_mm"] * np.random.default_rng(seed).standard_normal(patients)
     found = [log_of_record(record, seed=seed + i) for i, record in enumerate(played.records)]
     return [replace(log, opening=log.opening + shift) for log, shift in zip(found, shifts, strict=True)], played.truth
 
 
-def row(name: str, assumed: str, off: str, patients: int, seed: int) -> list[str]:
+def _row(name: str, assumed: str, off: str, patients: int, seed: int) -> list[str]:
     """Cells of a row."""
     statics, population = Statics(), cohort(assumed)
     curves: list[list[tuple[bool, float]]] = [[] for _ in OPENINGS_MM]
     total: list[tuple[bool, float]] = []
     told, refused = [], 0
-    made, truth = logs(name, patients, seed, off)
+    made, truth = _logs(name, patients, seed, off)
     begun = time.process_time()
     for log, theta in zip(made, truth, strict=True):
         found = stretched(log, population)
@@ -134,7 +134,7 @@ def main() -> None:
     heads = ("patient", "assumed", "off", "refused", *(f"force at {mm:g} mm" for mm in OPENINGS_MM), "total pull")
     print(f"| {' | '.join((*heads, 'left : right, sd over prior', 's'))} |\n|---|---|---|{6 * '--:|'}", flush=True)
     for name, assumed, off in ROWS:
-        print(f"| {' | '.join(row(name, assumed, off, arguments.patients, arguments.seed))} |", flush=True)
+        print(f"| {' | '.join(_row(name, assumed, off, arguments.patients, arguments.seed))} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ MOST_FILMED = 2
 
 
 @options.takes_world()
-def play_command(
+def _play_command(
     world: dict[str, Any],
     entries: options.OneOrTwo,
     video: Annotated[
@@ -129,7 +129,7 @@ COMMANDS: dict[str, Callable[..., None] | str] = {
     "information": "eval.commands.information",
     "benchmark": "eval.commands.benchmark",
     "live": "eval.commands.live",
-    "play": play_command,
+    "play": _play_command,
     "study": _study_command,
     "thesis": _thesis_command,
     "patient": "eval.commands.patient",
@@ -144,7 +144,7 @@ def commands(names: Iterable[str] = COMMANDS) -> typer.Typer:
     for name in names:
         command = COMMANDS[name]
         if isinstance(command, str):
-            command = getattr(import_module(command), f"{name}_command")
+            command = getattr(import_module(command), f"_{name}_command")
         app.command(name)(command)
     return app
 

@@ -33,7 +33,7 @@ BASELINES = (
 )
 
 
-def benchmark_command(
+def _benchmark_command(
     agents: Annotated[
         list[str] | None, typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=options.ENTRIES)
     ] = None,

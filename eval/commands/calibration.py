@@ -15,7 +15,7 @@ from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world("episode_s")
-def calibrate_command(
+def _calibrate_command(
     world: dict[str, Any],
     entries: Annotated[
         list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)

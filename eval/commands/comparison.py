@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @options.takes_world()
-def compare_command(
+def _compare_command(
     world: dict[str, Any],
     entries: Annotated[
         list[str] | None,
@@ -77,7 +77,7 @@ def compare_command(
     _present(study, output, reference, admission, console, details, play)
 
 
-def report_command(
+def _report_command(
     folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
     reference: options.Reference = None,
     largest_discomfort_s: options.LargestDiscomfort = 0.1,
@@ -100,7 +100,7 @@ def report_command(
     _present(study, folder, reference, admission, terminal(), details, play)
 
 
-def card_command(
+def _card_command(
     folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
     entry: Annotated[str, typer.Argument(help="Whose figures: an entry of the comparison.", metavar="ENTRY")],
     output: Annotated[Path, typer.Option(help="The file to write, a .json.", metavar="FILE")] = Path(
@@ -121,7 +121,7 @@ def card_command(
     print(f"written: {output}")
 
 
-def contest_command(
+def _contest_command(
     folders: Annotated[list[Path], typer.Argument(help="Folders of finished comparisons.", metavar="FOLDER...")],
     output: Annotated[Path, typer.Option(help="Page to write.", metavar="FILE.md")] = Path("runs/contest.md"),
 ) -> None:
@@ -141,7 +141,7 @@ def contest_command(
 
 
 @options.takes_world("control")
-def replay_command(
+def _replay_command(
     world: dict[str, Any],
     agent: Annotated[str, typer.Argument(metavar="AGENT", help="A planner, a training run or any other entry.")],
     output: Annotated[Path, typer.Option(help="Maneuver file to write.", metavar="FILE.yaml")],

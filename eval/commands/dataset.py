@@ -13,7 +13,7 @@ from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world()
-def dataset_command(
+def _dataset_command(
     world: dict[str, Any],
     entries: Annotated[
         list[str] | None,

@@ -13,7 +13,7 @@ from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world()
-def information_command(
+def _information_command(
     world: dict[str, Any],
     entries: Annotated[
         list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)

@@ -15,7 +15,7 @@ from jawenv.playing.agents import Agent, Planning
 
 
 @options.takes_world()
-def live_command(
+def _live_command(
     world: dict[str, Any],
     entries: Annotated[list[str], typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)],
     port: Annotated[int, typer.Option(help="Of the page on this machine; 0 takes a free one.", metavar="N")] = 8090,

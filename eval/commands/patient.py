@@ -18,7 +18,7 @@ from jawenv.ladder import DEFAULT_ENV, env_id_of
 
 
 @options.takes_world()
-def patient_command(
+def _patient_command(
     world: dict[str, Any],
     entry: options.Entry,
     patient: Annotated[
@@ -82,7 +82,7 @@ def patient_command(
 
 
 @options.takes_world()
-def diagnose_command(
+def _diagnose_command(
     world: dict[str, Any],
     entries: Annotated[
         list[str] | None,

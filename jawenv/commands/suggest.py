@@ -11,7 +11,7 @@ from jawenv.base.errors import InputError
 from jawenv.base.files import write_text
 from jawenv.commands.answer import UNKNOWN, least_known
 from jawenv.recordings.files import load_record
-from jawenv.suggesting.suggestion import BESIDE, Expected, suggest
+from jawenv.suggesting.suggestion import BESIDE, suggest
 
 
 def suggest_next(path: Path, output: Path, seconds: float, reading: dict[str, Any], overwrite: bool) -> None:
@@ -41,5 +41,5 @@ def suggest_next(path: Path, output: Path, seconds: float, reading: dict[str, An
     print(f"maneuver: {output}")
 
 
-def _in_words(expected: Expected) -> str:
+def _in_words(expected: Any) -> str:
     return f"{expected.median:.1%} ({expected.low:.1%} to {expected.high:.1%})"

@@ -1,6 +1,6 @@
 """Keeps targets within a patient's comfort: they shrink before a limit is used up.
 
-They shrink by two factors. ``size`` is for every episode: little is left of a limit. ``Budget.size`` is for an episode
+They shrink by two factors. ``size`` is for every episode: little is left of a limit. ``budget.size`` is for an episode
 with a budget of discomfort: the nearer its end, the more margin is asked for, and a channel that drives a limit beyond
 it gives way. The budget is spent by what the device takes the discomfort to be; it is never told the true one.
 """
@@ -60,7 +60,7 @@ _AHEAD_S = np.array(list(LOOK_AHEAD_S.values()))
 _DRIVES = np.array([[channel in DRIVERS[limit] for channel in CHANNELS] for limit in COMFORT_LIMITS])
 
 
-class Budget:
+class _Budget:
     """An episode's budget of discomfort, as the guard keeps it."""
 
     whole: float  # s of discomfort of 1; 0 for no budget
@@ -76,7 +76,7 @@ class Tracker:
     target: Annotated[Array, N_CHANNELS]  # fractions, before the guard
     rate: Annotated[Array, N_CHANNELS]  # 1/s, at which they move
     size: Annotated[Array, N_CHANNELS]  # what the guard multiplies them by, 0 to 1
-    budget: Budget
+    budget: _Budget
     integral: Annotated[Array, 3]  # of the force law: N, N m, N m
     rest_roll: float  # rad, as first seen
     crest: float  # m, the eminence's; 0 for that of the default anatomy
@@ -115,11 +115,11 @@ def shrink(size, margin, crest_margin, dt):
 
 
 @njit
-def keep_budget(budget: Budget, margin, dt):
+def keep_budget(budget: _Budget, margin, dt):
     """Spend the budget by the discomfort of a moment, and change its ``size``.
 
     Args:
-        budget: record of ``Budget``.
+        budget: record of ``_Budget``.
         margin: (8,) what is left of each comfort limit.
         dt: s since it was last changed.
     """

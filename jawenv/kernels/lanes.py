@@ -33,13 +33,13 @@ class Lanes(types.Type):
         super().__init__(name=f"Lanes({count})")
 
 
-class AllLines(types.Type):
+class _AllLines(types.Type):
     """Type of the index that stands for all of ``count`` rows."""
 
     def __init__(self, count: int) -> None:
         """An index of as many rows as a compiler can see."""
         self.count = count
-        super().__init__(name=f"AllLines({count})")
+        super().__init__(name=f"_AllLines({count})")
 
 
 @register_model(Lanes)
@@ -48,12 +48,12 @@ class _LanesModel(PrimitiveModel):
         super().__init__(dmm, fe_type, ir.VectorType(_NUMBER, fe_type.width))
 
 
-register_model(AllLines)(OpaqueModel)
+register_model(_AllLines)(OpaqueModel)
 
 
 @intrinsic
 def _all_lines(typing: Any, array: Any) -> Any:
-    result = AllLines(array.shape[0])
+    result = _AllLines(array.shape[0])
     return result(array), lambda context, builder, signature, values: context.get_dummy_value()
 
 
@@ -226,7 +226,7 @@ def _is_rows(array: Any, index: Any) -> Any:
     several: Any = types.BaseTuple
     parts = [*index] if isinstance(index, several) else [index]
     whole = all(isinstance(column, types.Integer) for column in parts[1:])
-    return parts[0] if isinstance(parts[0], AllLines) and len(parts) == array.ndim <= 2 and whole else None
+    return parts[0] if isinstance(parts[0], _AllLines) and len(parts) == array.ndim <= 2 and whole else None
 
 
 @type_callable(operator.getitem)
@@ -264,7 +264,7 @@ def _gather(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     return vector
 
 
-lower_builtin(operator.getitem, types.Array, AllLines)(_gather)
+lower_builtin(operator.getitem, types.Array, _AllLines)(_gather)
 
 
 @type_callable(operator.setitem)
@@ -276,7 +276,7 @@ def _(context: Any) -> Callable[..., Any]:
     return typer
 
 
-@lower_builtin(operator.setitem, types.Array, AllLines, Lanes)
+@lower_builtin(operator.setitem, types.Array, _AllLines, Lanes)
 @lower_builtin(operator.setitem, types.Array, types.Tuple, Lanes)
 def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     """A number into every row."""

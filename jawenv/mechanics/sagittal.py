@@ -28,7 +28,7 @@ from jawenv.mechanics.sagittal_shapes import CONDYLE, FOSSA, SLOP, BodyMotion, a
 with needs("JawSagittal", "pymunk", "sagittal"):
     import pymunk
 
-__all__ = ["CondyleContact", "Plane", "SagittalJaw", "WrenchAt"]
+__all__ = ["_CondyleContact", "Plane", "SagittalJaw", "WrenchAt"]
 
 Plane = tuple[float, float]
 WrenchAt = Callable[[Plane, Plane, float, float, float], tuple[float, float, float]]
@@ -47,7 +47,7 @@ ITERATIONS = 20
 OVERLAP_TIME = 0.01
 
 
-class CondyleContact(NamedTuple):
+class _CondyleContact(NamedTuple):
     """Contact of condyle and fossa during the last ``advance``."""
 
     touching: bool  # at the last step
@@ -108,7 +108,7 @@ class SagittalJaw:
         velocity = MM * (x_rate + theta_rate * arm_z), MM * (z_rate - theta_rate * arm_x)
         self._build(BodyMotion(position, -theta, velocity, -theta_rate))
         self._touched, self._impulse, self._rub = False, 0.0, 0.0
-        self._contact = CondyleContact(False, 0.0, 0.0, 0.0)
+        self._contact = _CondyleContact(False, 0.0, 0.0, 0.0)
 
     def _build(self, motion: BodyMotion) -> None:
         """A space with the fossa, and the mandible in ``motion``."""
@@ -148,7 +148,7 @@ class SagittalJaw:
         return np.array(self._state_after(0.0))
 
     @property
-    def contact(self) -> CondyleContact:
+    def contact(self) -> _CondyleContact:
         """Contact of condyle and fossa during the last ``advance``."""
         return self._contact
 
@@ -170,7 +170,7 @@ class SagittalJaw:
             self._space.step(self.step)
             touches += self._touched
         newton = 1.0 / (MM * self.step * steps)
-        self._contact = CondyleContact(self._touched, touches / steps, newton * self._impulse, newton * self._rub)
+        self._contact = _CondyleContact(self._touched, touches / steps, newton * self._impulse, newton * self._rub)
 
     def _state_after(self, dt: float) -> tuple[float, float, float, float, float, float]:
         """State when the body has moved on for ``dt`` at its present speed."""

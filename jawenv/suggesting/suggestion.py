@@ -38,7 +38,7 @@ _TIMES_S = 0.2
 
 
 @dataclass(frozen=True)
-class Expected:
+class _Expected:
     """The largest error bar after both recordings, for patients from the belief: median, and nine in ten."""
 
     median: float
@@ -54,8 +54,8 @@ class _Suggestion:
     found: Identification  # of the recording
     maneuver: Maneuver
     worst_sd: float  # largest error bar now
-    expected: Expected  # with the maneuver
-    beside: Expected  # with ``BESIDE`` in its place
+    expected: _Expected  # with the maneuver
+    beside: _Expected  # with ``BESIDE`` in its place
     again: float  # largest error bar if the next recording told what this one did
 
     def movement(self) -> str:
@@ -136,14 +136,14 @@ def _written_down(policy: Agent, patient: Patient, world: dict[str, Any], second
     return Maneuver.model_validate({**header, "fade_in_s": 0.001, "channels": channels})
 
 
-def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array) -> Expected:
+def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array) -> _Expected:
     """What a movement tells of patients beside the precision ``known`` (p, p)."""
     played = play(player, patients=patients, seed=1, env_kwargs=world)
     prior = Prior(played.prior_mean, played.prior_sd)
     told = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)
     worst = [_worst(np.linalg.inv(known + one)) for one in told]
     low, median, high = np.quantile(worst, [0.05, 0.5, 0.95])
-    return Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()))
+    return _Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()))
 
 
 def _worst(cov: Any) -> float:

@@ -91,7 +91,7 @@ def _open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: _Begi
 
 
 @njit
-def set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, scratch: _Beginning):
+def _set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, scratch: _Beginning):
     """Comfort limits from the jaw's path of ``last`` + 1 poses; False when the painless range is too small."""
     poses, positions = scratch.poses, scratch.places
     set_general_limits(comfort, limits)
@@ -190,7 +190,7 @@ def _begin_world(device: DeviceRecord, model: Jaw, world: World, settings: Setti
     truth.state[2] = 0.05
     last = _open_slowly(truth.jaw, truth.muscles, settings.comfort, truth.state, beginning)
     truth.lift[0], truth.lift[1] = 0.0, 0.0
-    if last < 0 or not set_limits(truth.jaw, truth.muscles, settings.comfort, limits, last, beginning):
+    if last < 0 or not _set_limits(truth.jaw, truth.muscles, settings.comfort, limits, last, beginning):
         return False
     if not rest_on_condyles(truth, limits, beginning):
         return False

@@ -76,7 +76,7 @@ class Drift:
     largest: float
 
 
-class Stay:
+class _Stay:
     """The poses at which the jaw has been, see ``readings.lasting``."""
 
     visits: Annotated[Array, N_CELLS]  # ticks spent at poses alike
@@ -128,7 +128,7 @@ class Belief:
     refused: int  # ticks on end, up to the last one, whose readings were refused
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     near: int  # the same, after teeth
-    stay: Stay
+    stay: _Stay
     gated: int  # ticks whose innovation the gate rejected when they were read
     sensors: Sensors
 
@@ -300,7 +300,7 @@ def begin_drift(drift: Drift):
 
 
 @njit
-def _begin_stay(stay: Stay):
+def _begin_stay(stay: _Stay):
     """The jaw has been nowhere."""
     stay.drift_rates[:] = 0.0
     stay.visits[:], stay.visited = 0.0, 0.0
