@@ -1,1 +1,1 @@
-"""What to record next of a patient whose recording was identified."""
+"""A movement to record next, for a patient with an identified recording."""

@@ -53,7 +53,7 @@ def _felt_by(sensed, rest_roll):
 
 @njit
 def size_of(tracker: Tracker, channel):
-    """What the guard multiplies a channel's target by."""
+    """The factor of a channel's target, as the guard leaves it."""
     return tracker.size[channel] * tracker.budget.size[channel]
 
 

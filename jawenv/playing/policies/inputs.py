@@ -1,4 +1,4 @@
-"""What a policy is shown: the parts of an observation that it knows, and the belief as it learned to read it.
+"""A policy's view of an observation: the parts that it knows, and the belief as it learned to read it.
 
 An observation says where a belief stands beside the prior. A policy that plays with another prior than it was trained
 with, of another cohort or of an earlier treatment, is shown the same belief beside its own prior.
