@@ -29,6 +29,7 @@ STUDY = (
     "playing",
     "metrics",
     "inference",
+    "suggesting",
     "sb3",
     "live",
     "commands",

@@ -27,7 +27,6 @@ from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import TICK, Device, device_of
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.argument_checks import check_choice, checked_flag, checked_number, checked_rate
-from jawenv.envs.asked import checked_asked
 from jawenv.envs.registration import IMAGED
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, model_named, model_of_env
 from jawenv.reality import Reality, check_reality
@@ -84,10 +83,7 @@ class Configuration:
     comfort_weight: float = _argument(0.0, "What a second of discomfort of 1 takes from the reward, nats.")
     comfort_limit_s: float = _argument(0.0, "Discomfort of an episode, s, up to which `comfort_weight` takes nothing.")
     comfort_budget_s: float | None = _argument(
-        None,
-        "Discomfort of an episode, s, that the device keeps in targets control; none by default.",
-        "S",
-        "number",
+        None, "Discomfort of an episode, s, that the device keeps in targets control; none by default.", "S", "number"
     )
     track_bound: bool = _argument(False, "Whether `info` has the bound as well.")
     info: Info = _argument("full", "Which keys `info` has: full for all, light for those of belief, cost and time.")
@@ -150,7 +146,10 @@ class Configuration:
 
             self._set("anatomy", anatomy_of(self.anatomy))
         self._set("cohort", cohort(self.cohort, self.muscles))
-        self._set("asked", checked_asked(self.asked, self.muscles.names))
+        if self.asked is not None:
+            from jawenv.envs.asked import checked_asked
+
+            self._set("asked", checked_asked(self.asked, self.muscles.names))
         self._set("device", device_of(self.device))
         self._set("reality", check_reality(self.reality))
         self._set("knowledge", knowledge(self.knowledge))
@@ -172,10 +171,8 @@ class Configuration:
             return
         self._set("comfort_budget_s", checked_number("comfort_budget_s", self.comfort_budget_s))
         if not self.mode.takes_targets:
-            raise InputError(
-                f"comfort_budget_s is {self.comfort_budget_s:g}; allowed in {self.control} control: none, as the "
-                "device keeps it by the targets"
-            )
+            why = f"allowed in {self.control} control: none, as targets keep it"
+            raise InputError(f"comfort_budget_s is {self.comfort_budget_s:g}; {why}")
 
     def _check_estimator(self) -> None:
         """The estimator is one of the model's, or the user's own."""

@@ -15,14 +15,7 @@ from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.argument_checks import checked_action
 from jawenv.envs.configuration import configure, described
-from jawenv.envs.reset_options import (
-    checked_keys,
-    checked_options,
-    checked_patient,
-    checked_questions,
-    checked_seed,
-    episode_keys,
-)
+from jawenv.envs.episode_seeds import checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.world.layout import OBSERVATION_BOUND
@@ -159,10 +152,14 @@ class JawEnv(gym.Env[Observation, Action]):
                 ``{"episode_key": ...}`` to begin the episode again whose ``info`` has it; ``{"asked": ...}`` as the
                 argument, for this episode.
         """
-        given = checked_options(options, ("patient", "episode_key", "asked"))
-        patient = checked_patient(given.get("patient"), "option patient")
-        again = checked_keys(given.get("episode_key"), (2,), "episode_key")
-        asked = checked_questions(given.get("asked"), 1, self.configuration)
+        patient, again, asked = None, None, None
+        if options is not None:
+            from jawenv.envs.reset_options import checked_keys, checked_options, checked_patient, checked_questions
+
+            given = checked_options(options, ("patient", "episode_key", "asked"))
+            patient = checked_patient(given.get("patient"), "option patient")
+            again = checked_keys(given.get("episode_key"), (2,), "episode_key")
+            asked = checked_questions(given.get("asked"), 1, self.configuration)
         seed = checked_seed(seed)
         generator, number = (self.np_random, self.np_random_seed) if seed is None else np_random(seed)
         with episode_keys([generator], _ON) as keys:

@@ -1,9 +1,8 @@
-"""Options of ``reset``, checked: patients and seeds; and the first random numbers of an episode."""
+"""Options of ``reset``, checked; loaded where some are given."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Patient
 from jawenv.base.errors import InputError, shown
 from jawenv.base.files import instance_of
-from jawenv.base.numeric_fields import whole_number
 from jawenv.envs.asked import checked_asked
 from jawenv.envs.configuration import Configuration
 
@@ -23,9 +21,6 @@ __all__ = [
     "checked_patient",
     "checked_patients",
     "checked_questions",
-    "checked_seed",
-    "checked_seeds",
-    "episode_keys",
 ]
 
 
@@ -49,27 +44,6 @@ def checked_patient(patient: object, name: str) -> Patient | None:
         name: what the message calls it.
     """
     return None if patient is None else instance_of(Patient, patient, name)
-
-
-def checked_seed(value: object) -> int | None:
-    """A seed as an int, or None."""
-    if value is None:
-        return None
-    seed = whole_number(value)
-    if seed is None or seed < 0:
-        raise InputError(f"seed is {shown(value)}; allowed: a whole number, 0 or more")
-    return seed
-
-
-def checked_seeds(value: object, number: int) -> list[int | None]:
-    """Seeds of N worlds: s + i of a whole number s, or the entries of a sequence."""
-    if isinstance(value, Sequence | np.ndarray):
-        seeds = [checked_seed(entry) for entry in value]
-        if len(seeds) != number:
-            raise InputError(f"seed has {len(seeds)} entries; allowed: an integer or {number} entries")
-        return seeds
-    first = checked_seed(value)
-    return [None if first is None else first + i for i in range(number)]
 
 
 def checked_patients(patients: object, number: int) -> list[Patient | None]:
@@ -110,24 +84,3 @@ def checked_keys(keys: object, shape: tuple[int, ...], name: str) -> NDArray[np.
             f"option {name} is {shown(keys)}; allowed: info['episode_key'], whole numbers of shape {shape}"
         )
     return array.astype(np.uint64)
-
-
-@contextmanager
-def episode_keys(generators: Sequence[np.random.Generator], chosen: NDArray[np.bool_]) -> Iterator[NDArray[np.uint64]]:
-    """Keys (N, 2) of the chosen worlds' next episodes; what raises inside draws nothing from the generators.
-
-    Args:
-        generators: of each world; several worlds may share one.
-        chosen: (N,) which worlds.
-    """
-    numbers = np.flatnonzero(chosen).tolist()
-    states = [generators[i].bit_generator.state for i in numbers]
-    keys = np.zeros((len(generators), 2), dtype=np.uint64)
-    try:
-        for i in numbers:
-            keys[i] = generators[i].integers(0, 2**63, size=2, dtype=np.uint64)
-        yield keys
-    except BaseException:
-        for i, state in zip(numbers, states, strict=True):
-            generators[i].bit_generator.state = state
-        raise

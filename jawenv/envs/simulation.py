@@ -18,7 +18,6 @@ from jawenv.device.force_sensor import (
     sds_of_sensor,
     slack_force,
 )
-from jawenv.envs.asked import asked_muscles
 from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.world.kept_ticks import true_tick_dtype
@@ -235,7 +234,7 @@ class Simulation:
             self.keys[numbers] = keys[numbers]
             for i in numbers.tolist():
                 question = (None if asked is None else asked[i]) or self.configuration.asked
-                self.asked[i] = asked_muscles(question, self.cohort.muscles.names, keys[i])
+                self.asked[i] = self._answers(question, keys[i])
             self.cost_so_far[numbers] = 0.0
             self._begin(chosen, patients, keys)
             self._read_first(chosen)
@@ -248,6 +247,14 @@ class Simulation:
             if self.moved is not None and plants is not None:
                 self.moved.each = plants
             raise
+
+    def _answers(self, question: str | None, key: NDArray[np.uint64]) -> NDArray[np.bool_] | bool:
+        """The muscles that a question asks for; all without one."""
+        if question is None:
+            return True
+        from jawenv.envs.asked import asked_muscles
+
+        return asked_muscles(question, self.cohort.muscles.names, key)
 
     def _begin(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
         """Place and put at rest every chosen world, with another patient where a drawn one cannot be treated."""

@@ -17,17 +17,9 @@ from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.argument_checks import checked_actions
 from jawenv.envs.configuration import configure
+from jawenv.envs.episode_seeds import checked_seeds, episode_keys
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
-from jawenv.envs.reset_options import (
-    checked_keys,
-    checked_mask,
-    checked_options,
-    checked_patients,
-    checked_questions,
-    checked_seeds,
-    episode_keys,
-)
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps, enough_memory
@@ -155,14 +147,19 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
 
         A reset that raises leaves all worlds as they were.
         """
-        checked = checked_options(options, ("patients", "reset_mask", "episode_keys", "asked"))
-        mask = checked.get("reset_mask")
-        chosen = self._all if mask is None else checked_mask(mask, self.num_envs)
+        chosen, again, asked = self._all, None, None
+        patients: list[Patient | None] = [None] * self.num_envs
+        if options is not None:
+            from jawenv.envs import reset_options
+
+            given = reset_options.checked_options(options, ("patients", "reset_mask", "episode_keys", "asked"))
+            if given.get("reset_mask") is not None:
+                chosen = reset_options.checked_mask(given["reset_mask"], self.num_envs)
+            patients = reset_options.checked_patients(given.get("patients"), self.num_envs)
+            again = reset_options.checked_keys(given.get("episode_keys"), (self.num_envs, 2), "episode_keys")
+            asked = reset_options.checked_questions(given.get("asked"), self.num_envs, self.configuration)
         if not self._begun and not chosen.all():
             raise InputError("option reset_mask leaves worlds out of the first reset; allowed: all worlds")
-        patients = checked_patients(checked.get("patients"), self.num_envs)
-        again = checked_keys(checked.get("episode_keys"), (self.num_envs, 2), "episode_keys")
-        asked = checked_questions(checked.get("asked"), self.num_envs, self.configuration)
         generators, seeds = self._reseeded(seed, chosen)
         self._begin(chosen, patients, generators, again, asked)
         self._generators, self._seeds, self._begun = generators, seeds, True

@@ -15,7 +15,7 @@ from jawenv.base.errors import InputError, shown
 from jawenv.device.device import TICK
 from jawenv.envs.argument_checks import checked_actions
 from jawenv.envs.configuration import Configuration
-from jawenv.envs.reset_options import checked_seed, episode_keys
+from jawenv.envs.episode_seeds import checked_seed, episode_keys
 from jawenv.envs.simulation import Simulation
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES

@@ -49,7 +49,7 @@ class _Expected:
 
 @dataclass(frozen=True)
 class _Suggestion:
-    """What to record next."""
+    """A movement to record next, and its expected worth."""
 
     found: Identification  # of the recording
     maneuver: Maneuver
@@ -59,7 +59,7 @@ class _Suggestion:
     again: float  # largest error bar if the next recording told what this one did
 
     def movement(self) -> str:
-        """What the movement is like, in words."""
+        """The movement in words."""
         goals = self.maneuver.targets(np.arange(0.0, self.seconds, _TIMES_S)).value
         opening, side, push, _ = goals.T
         turns = int(np.sum(np.diff(np.sign(side[np.abs(side) > 0.2])) != 0))
@@ -74,7 +74,7 @@ class _Suggestion:
 
 
 def suggest(record: Record, seconds: float = 10.0) -> _Suggestion:
-    """What to record next of the patient of a recording.
+    """Suggest the movement to record next of a recording's patient.
 
     Args:
         record: of the whole midline jaw, as ``load_record`` gives it.
@@ -137,7 +137,7 @@ def _written_down(policy: Agent, patient: Patient, world: dict[str, Any], second
 
 
 def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array) -> _Expected:
-    """What a movement tells of patients beside the precision ``known`` (p, p)."""
+    """Expected worth of a movement for patients beside the precision ``known`` (p, p)."""
     played = play(player, patients=patients, seed=1, env_kwargs=world)
     prior = Prior(played.prior_mean, played.prior_sd)
     told = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)

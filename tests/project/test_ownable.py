@@ -60,7 +60,10 @@ LEAVES = {
         ("trackers", "stretcher's logs"),
     ),
     "answer": Leaf(
-        ("jawenv/commands/answer.py",), ("jawenv/commands/recordings.py",), ("tests/commands/test_answer.py",)
+        ("jawenv/commands/answer.py",),
+        ("jawenv/commands/recordings.py",),
+        ("tests/commands/test_answer.py",),
+        ("suggest",),
     ),
     "plausibility": Leaf(
         ("jawenv/recordings/plausibility.py",),
@@ -85,7 +88,7 @@ LEAVES = {
         ("jawenv/recordings/untold/*",),
         ("jawenv/commands/recordings.py", "jawenv/metrics/score.py"),
         ("tests/recordings/untold",),
-        ("patient's page",),
+        ("patient's page", "suggest"),
     ),
     "stretcher's logs": Leaf(
         ("jawenv/recordings/stretcher/*", "jawenv/commands/stretcher.py"),
