@@ -75,7 +75,7 @@ for knowledge in ("exact", "imaged", "bench"):
 """
 """What plays the models whose kernels are shipped; one world and many share theirs."""
 
-ALIKE = "import sys; from research.kernels import compile_alike; compile_alike(sys.argv[1])"
+ALIKE = "import sys; from research.kernels import _compile_alike; _compile_alike(sys.argv[1])"
 
 
 def measure(
