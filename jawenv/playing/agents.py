@@ -115,9 +115,9 @@ def introduce(agent: Any, env: Any) -> None:
         agent: with a method ``take_prior(prior)``, with that of ``Planning``, or with neither.
         env: an environment of jawenv, of one form or the other.
     """
-    simulation = getattr(env.unwrapped, "simulation", None)
-    if hasattr(agent, "take_prior") and simulation is not None:
-        agent.take_prior(simulation.cohort.prior)
+    configuration = getattr(env.unwrapped, "configuration", None)
+    if hasattr(agent, "take_prior") and configuration is not None:
+        agent.take_prior(configuration.build_cohort().prior)
     if hasattr(agent, "attach"):
         agent.attach(env)
 
