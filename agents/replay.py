@@ -16,20 +16,17 @@ import numpy as np
 
 from agents.array_files import load_arrays, save_arrays
 from jawenv.base.errors import InputError, printable, shown
-from jawenv.base.files import write_text
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.playing.agents import Action, Agent, Array, BatchAgent, Mask, Observation, State
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import goals_of
+from jawenv.playing.maneuvers.written import maneuver_of_targets
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import TargetsLaw
 from jawenv.playing.rollout import DEFAULT_ENV, play
 
-FADE_IN_S = 1e-3  # a maneuver has to fade in; this one does before its first target
 LONGEST_NAME = 200  # characters
-DIGITS = 5
-STRAIGHT = 1e-6  # a point that is off the line between its neighbours by less is left out
 
 
 class Replay(BatchAgent):
@@ -183,42 +180,3 @@ def followed(goals: Array, period: float) -> Array:
         last = last + np.clip(goals[:, step] - last, -fastest, fastest)
         targets[:, step] = last
     return targets
-
-
-def maneuver_of_targets(
-    targets: Array, period: float, header: dict[str, str], *, return_s: float | None = None
-) -> Maneuver:
-    """The maneuver that reaches targets (T, 4) at the ends of the steps.
-
-    Args:
-        targets: fractions of the patient's comfort.
-        period: length of a step, s.
-        header: name, title, description and source.
-        return_s: time in which it goes back to rest and begins again; None where the last targets hold.
-    """
-    channels = {channel: _keyframes(targets[:, k], period) for k, channel in enumerate(CHANNELS)}
-    if return_s is not None:
-        for channel in channels.values():
-            end_s = round(len(targets) * period + return_s, 6)
-            channel |= {"points": [*channel["points"], {"t_s": end_s, "value": 0.0}], "repeat": True}
-    return Maneuver.model_validate({**header, "fade_in_s": FADE_IN_S, "channels": channels})
-
-
-def _keyframes(values: Array, period: float) -> dict[str, Any]:
-    """A channel that begins at rest and reaches ``values`` (T,) at the ends of the steps."""
-    path = np.append(0.0, values)
-    bends = np.abs(np.diff(path, n=2)) > STRAIGHT
-    steps = np.flatnonzero(np.concatenate([[True], bends, [True]]))
-    points = [{"t_s": round(k * period, 6), "value": round(float(path[k]), DIGITS)} for k in steps]
-    return {"kind": "keyframes", "interpolation": "linear", "points": points}
-
-
-def save_maneuver(maneuver: Maneuver, path: Path) -> Path:
-    """Write a maneuver file (YAML), either whole or not at all; returns its path."""
-    import yaml
-
-    if path.suffix != ".yaml":
-        raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
-    text = yaml.safe_dump(maneuver.model_dump(mode="json"), sort_keys=False, default_flow_style=None, width=120)
-    write_text(path, text)
-    return path

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from agents.replay import check_targets, replays_of, save_maneuver
+from agents.replay import check_targets, replays_of
 from eval.figures import words
 from eval.kept.digest import fingerprint
 from eval.kept.entries import Entry, Settings, load_entries
@@ -16,6 +16,7 @@ from jawenv.base.errors import InputError, shown
 from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
 from jawenv.base.seeds import REPLAYS
+from jawenv.playing.maneuvers.written import save_maneuver
 
 
 def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Console | None = None) -> Path:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from jawenv.base.errors import InputError
-from jawenv.base.files import write_text
 from jawenv.commands.answer import UNKNOWN, least_known
+from jawenv.playing.maneuvers.written import save_maneuver
 from jawenv.recordings.files import load_record
 from jawenv.suggesting.suggestion import BESIDE, suggest
 
@@ -24,14 +22,11 @@ def suggest_next(path: Path, output: Path, seconds: float, reading: dict[str, An
         reading: arguments of ``load_record``.
         overwrite: whether an older maneuver may be replaced.
     """
-    if output.suffix not in (".yaml", ".yml"):
-        raise InputError(f"--output: {output}; allowed: a file .yaml")
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
     record = load_record(path, UNKNOWN, **reading)
     found = suggest(record, seconds)
-    maneuver = found.maneuver.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
-    write_text(output, yaml.safe_dump(maneuver, sort_keys=False))
+    save_maneuver(found.maneuver, output)
     weakest = least_known(record, found.found)
     print(f"least known now: {weakest['words']}, sd {weakest['sd']:.1%}; largest error bar {found.worst_sd:.1%}")
     print(f"next: {found.movement()}")

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
-import yaml
 
 from jawenv.base.errors import InputError
-from jawenv.base.files import write_text
 from jawenv.device.channels import CHANNELS
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
@@ -42,12 +39,6 @@ def maneuver_of_drive(name: str, times: Sequence[float], targets: Sequence[Array
         fade_in_s=_FADE_IN_S,
         channels=Channels(**signals),
     )
-
-
-def write_maneuver(path: Path, maneuver: Maneuver) -> None:
-    """Write a maneuver file."""
-    content = maneuver.model_dump(mode="json")
-    write_text(path, yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120))
 
 
 def _samples(times: Array, values: Array) -> Keyframes:

@@ -17,12 +17,13 @@ from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.shown_world import build_scene
 from jawenv.live.deciding import Deciding
-from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
+from jawenv.live.drive_file import maneuver_of_drive
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
 from jawenv.playing.agents import Agent, Array, introduce
 from jawenv.playing.maneuvers import Maneuver, maneuver_names
+from jawenv.playing.maneuvers.written import save_maneuver
 from jawenv.recordings.files import save_record
 from jawenv.recordings.of_simulation import record_of
 from jawenv.recordings.record import Record
@@ -221,6 +222,6 @@ class DriveSession:
         while path is None and (folder / f"my_drive_{number}.yaml").exists():
             number += 1
         path = path or folder / f"my_drive_{number}.yaml"
-        write_maneuver(path, self.maneuver(path.stem))
+        save_maneuver(self.maneuver(path.stem), path)
         save_record(self.record(), path.with_suffix(".csv"))
         return [path, path.with_suffix(".csv")]

@@ -15,11 +15,11 @@ from jawenv.anatomy import Patient
 from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N
 from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
-from jawenv.device.channels import CHANNELS
 from jawenv.metrics import score
 from jawenv.playing.agents import Agent, Array
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import goals_of
+from jawenv.playing.maneuvers.written import maneuver_of_targets
 from jawenv.playing.policies.named import named_agent
 from jawenv.playing.rollout import play
 from jawenv.recordings import defaults
@@ -98,6 +98,7 @@ def suggest(record: Record, seconds: float = 10.0) -> _Suggestion:
         "episode_s": seconds,
         "track_bound": False,
         "knowledge": record.knowledge,
+        "force_sensor": record.force_sensor,
         "comfort_budget_s": _BUDGET * seconds,
     }
     policy = named_agent(_POLICY, "targets")
@@ -125,15 +126,9 @@ def _written_down(policy: Agent, patient: Patient, world: dict[str, Any], second
             goals.append(goals_of(action)[0])
 
     play(policy, patients=[patient], seed=0, env_kwargs=world, on_step=note)
-    times = seconds / len(goals) * np.arange(1, len(goals) + 1)
-    channels = {}
-    for name, values in zip(CHANNELS, np.array(goals).T, strict=True):
-        joined = zip([0.0, *times], [0.0, *values], strict=True)
-        points = [{"t_s": round(float(t), 6), "value": round(float(value), 5)} for t, value in joined]
-        channels[name] = {"kind": "keyframes", "interpolation": "linear", "points": points}
     text = f"Suggested by {_POLICY} for the estimates of a recording."
     header = {"name": "next", "title": "Next", "description": text, "source": "jawenv suggest"}
-    return Maneuver.model_validate({**header, "fade_in_s": 0.001, "channels": channels})
+    return maneuver_of_targets(np.array(goals), seconds / len(goals), header)
 
 
 def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array) -> _Expected:

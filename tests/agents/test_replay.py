@@ -9,9 +9,10 @@ import pytest
 import agents
 import jawenv
 from agents.array_files import load_arrays
-from agents.replay import Replay, replay_of, replays_of, save_maneuver, targets_of
+from agents.replay import Replay, replay_of, replays_of, targets_of
 from jawenv.base.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.maneuvers.written import save_maneuver
 from tests.recorded import Actions
 
 KWARGS = {"control": "targets", "episode_s": 2.0}

@@ -22,7 +22,7 @@ LARGEST = {
     "lines of a leaf": 2_810,
     "doors of a leaf": 2,
     "longest chain of imports": 31,
-    "public top-level names": 1_575,
+    "public top-level names": 1_573,
     "modules that a step loads": 104,
     "lines that a step loads": 12_806,
     "lines that eval compare loads": 23_290,
@@ -104,6 +104,12 @@ LEAVES = {
         ("tests/eval/report",),
     ),
     "motion in the report": Leaf(("eval/comparison/motion.py",), (COMPARE,), ("tests/eval/comparison/test_motion.py",)),
+    "written maneuvers": Leaf(
+        ("jawenv/playing/maneuvers/written.py",),
+        (),
+        ("tests/playing/test_written_maneuvers.py",),
+        ("recorded actions", "replays of averages", "maneuver search", "suggest", "live page"),
+    ),
     "recorded actions": Leaf(
         ("agents/replay.py",),
         ("agents/registry.py",),

@@ -107,7 +107,8 @@ def twin(
 @takes(GradientSearch)
 def refine(output: ManeuverFile, settings: GradientSearch, overwrite: Overwrite = False) -> int:
     """Refine a maneuver by the gradient of the differentiable twin, within comfort. Minutes; it is not resumed."""
-    from training.search.gradient import DECISION_S, maneuver_of
+    from jawenv.playing.maneuvers.written import maneuver_of_targets
+    from training.search.gradient import DECISION_S
     from training.search.gradient import refine as search
 
     check_output(output)
@@ -127,6 +128,8 @@ def refine(output: ManeuverFile, settings: GradientSearch, overwrite: Overwrite 
         return INTERRUPTED
     whose = f"of {settings.cohort!r} after {settings.horizon_s:g} s"
     text = f"{settings.refine!r} with its targets varied by gradient for the largest sd {whose}."
-    write_found(output, maneuver_of(targets, DECISION_S, named(output, text, BY_GRADIENT)), "refine", settings)
+    found = maneuver_of_targets(targets, DECISION_S, named(output, text, BY_GRADIENT))
+    content = found.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
+    write_found(output, content, "refine", settings)
     console.print(f"{output}: {settings.horizon_s:g} s", soft_wrap=True)
     return 0

@@ -21,7 +21,7 @@ from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.worlds import Worlds
 from jawenv.base.seeds import TUNING
-from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
+from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
@@ -114,13 +114,3 @@ def within_reach(targets: Tensor, decision_s: float) -> Tensor:
         place = place + torch.maximum(torch.minimum(goal - place, most), -most)
         reached.append(place)
     return torch.stack(reached)
-
-
-def maneuver_of(targets: Array, decision_s: float, header: dict[str, str]) -> dict[str, Any]:
-    """Content of a maneuver file with targets (T, 4) joined by straight lines, which stays where it ends."""
-    times = [0.0, *(decision_s * np.arange(1, len(targets) + 1)).round(6).tolist()]
-    channels = {}
-    for name, values in zip(CHANNELS, targets.T, strict=True):
-        points = [{"t_s": t, "value": round(float(v), 5)} for t, v in zip(times, [0.0, *values], strict=True)]
-        channels[name] = {"kind": "keyframes", "interpolation": "linear", "points": points}
-    return {**header, "fade_in_s": 0.001, "channels": channels}

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jawenv
-from agents.replay import followed, maneuver_of_targets
+from agents.replay import followed
 from jawenv.anatomy import MUSCLE_NAMES, Patient
 from jawenv.base.errors import InputError
 from jawenv.base.files import atomic_write
@@ -33,6 +33,7 @@ from jawenv.ladder import env_id_of
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import Targets
 from jawenv.playing.maneuvers.signals import Keyframes
+from jawenv.playing.maneuvers.written import maneuver_of_targets
 from training.search.settings import Refinement
 
 Array = NDArray[np.float64]

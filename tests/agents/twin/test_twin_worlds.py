@@ -14,8 +14,9 @@ from agents.twin.worlds import Worlds
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import action_of
+from jawenv.playing.maneuvers.written import maneuver_of_targets
 from training.search.agreement import agreement
-from training.search.gradient import maneuver_of, play, within_reach
+from training.search.gradient import play, within_reach
 
 TARGETS = Maneuver.named("refined_one_sided").targets(0.2 * np.arange(1, 16)).value
 
@@ -101,5 +102,5 @@ def test_log_worst_bounds_the_largest_sd(env):
 def test_a_found_maneuver_is_played_as_found():
     header = {"name": "found", "title": "Found", "description": "d", "source": "s"}
     reached = within_reach(torch.tensor(TARGETS), 0.2).numpy()
-    maneuver = Maneuver.model_validate(maneuver_of(reached, 0.2, header))
+    maneuver = maneuver_of_targets(reached, 0.2, header)
     np.testing.assert_allclose(maneuver.targets(0.2 * np.arange(1, 16)).value, reached, atol=1e-4)
