@@ -1,8 +1,7 @@
 """A yardstick of what adapting can be worth: a maneuver for each patient, searched with the true patient at hand.
 
-Adam (Kingma & Ba 2015, arXiv:1412.6980) moves the targets of the first ten seconds along the gradient of the
-differentiable twin (``agents.twin``), for the largest sd after them less discomfort. All worlds are searched together:
-one takes as long as fifty.
+The gradient of the differentiable twin (``agents.twin``) moves the targets of the first ten seconds, for the largest sd
+after them less discomfort. All worlds are searched together: one takes as long as fifty.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from agents.planning import Planner
 from agents.twin import MODEL
 from jawenv.base.extras import needs
 from jawenv.controls import DEFAULT_CONTROL, Control
-from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.envs.configuration import Configuration
 from jawenv.playing.agents import Array, Mask
 from jawenv.playing.maneuvers import Maneuver
@@ -25,11 +23,6 @@ from jawenv.playing.maneuvers import Maneuver
 BEGINNING = "refined_one_sided"
 """The maneuver from which the search goes, and which is played after it."""
 HORIZON_S = 10.0
-KNOT_S = 0.4
-SCALE = np.array([0.25, 0.4, 0.1, 0.4])
-"""Of the channels' steps."""
-LEARNING_RATE = 0.03  # of Adam, in parts of ``SCALE``
-PRICE = 8.0  # nats that a second of the twin's discomfort is worth
 
 
 class Clairvoyant(Planner):
@@ -60,11 +53,6 @@ class Clairvoyant(Planner):
         self._twin = Twin(simulation)
         whole = np.arange(1, self._planned.shape[1] + 1) / self._hz
         self._base: Array = Maneuver.named(BEGINNING).targets(whole).value
-        times = whole[: round(HORIZON_S * self._hz)]
-        knots = np.arange(0.0, times[-1] + KNOT_S, KNOT_S)
-        between = np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None)
-        self._knots = len(knots)
-        self._moves: Array = between[..., None] * SCALE
 
     def _search(self, step: Array, due: Mask) -> None:
         every = np.flatnonzero(due)
@@ -76,24 +64,11 @@ class Clairvoyant(Planner):
         import torch
 
         from agents.twin.constants import Patients
-        from agents.twin.objective import log_worst, weights
-        from agents.twin.worlds import Worlds
+        from agents.twin.search import searched
 
         patients = Patients.of_worlds(self._simulation.worlds[chosen])
         asked = torch.tensor(self._simulation.asked[chosen]).double()
-        base, moves = torch.tensor(self._base[: len(self._moves)]), torch.tensor(self._moves)
-        x = base.new_zeros(len(chosen), self._knots, N_CHANNELS, requires_grad=True)
-        optimiser = torch.optim.Adam([x], LEARNING_RATE, betas=(0.8, 0.95))
-        marks = weights(len(base))
-        for _ in range(self.updates):
-            worlds, cost = Worlds(self._twin, patients, asked=asked), x.new_zeros(len(chosen))
-            for number, target in enumerate((base + torch.einsum("tkc,nkc->ntc", moves, x)).unbind(1), 1):
-                cost = cost + PRICE * worlds.step(target)
-                if number in marks:
-                    cost = cost + marks[number] * log_worst(worlds)
-            optimiser.zero_grad()
-            cost.sum().backward()  # type: ignore[no-untyped-call]
-            optimiser.step()
-        found = base + torch.einsum("tkc,nkc->ntc", moves, x.detach())
+        base = self._base[: round(HORIZON_S * self._hz)]
+        starts = np.broadcast_to(base, (len(chosen), *base.shape)).copy()
         self._planned[chosen] = self._base
-        self._planned[chosen, : len(base)] = np.clip(found.numpy(), np.array(LOWEST), HIGHEST)
+        self._planned[chosen, : len(base)] = searched(self._twin, patients, starts, self.updates, asked)

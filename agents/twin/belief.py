@@ -77,6 +77,14 @@ class Belief:
             self._disturbance = Disturbance(twin.disturbance_variance, twin.memory, number, sd.shape[-1])
         self.renew()
 
+    def know(self, mean: Tensor, precision: Tensor) -> None:
+        """Begin with means (P, 12) and precisions (P, 12, 12) of the parameters in the place of the prior's."""
+        self.precision = self.precision.clone()
+        self.precision[:, :N_PARAMETERS, :N_PARAMETERS] = precision
+        moved = pad(mean - self._prior_mean, (0, self.precision.shape[-1] - N_PARAMETERS))
+        self._score = (self.precision @ moved[..., None])[..., 0]
+        self.renew()
+
     def renew(self) -> None:
         """Follow what was learnt."""
         self.covariance = torch.linalg.inv(self.precision)

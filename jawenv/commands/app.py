@@ -117,6 +117,7 @@ def _suggest_command(
     recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A .csv or .parquet file.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Maneuver to record next.", metavar="FILE.yaml")],
     seconds: Annotated[float, typer.Option(help="Its length.", metavar="S")] = 10.0,
+    search: Annotated[int, typer.Option(help="Steps of the search from there, 2 s each.", metavar="N")] = 0,
     cohort: Annotated[
         str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
     ] = None,
@@ -129,7 +130,8 @@ def _suggest_command(
     """Suggest the movement to record next: made for the estimates of this recording (docs/recordings.md)."""
     from jawenv.commands.suggest import suggest_next
 
-    suggest_next(recording, output, seconds, {"cohort": cohort, "knowledge": knowledge, "columns": columns}, overwrite)
+    reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns}
+    suggest_next(recording, output, seconds, search, reading, overwrite)
 
 
 @app.command("import")

@@ -12,20 +12,23 @@ from jawenv.recordings.files import load_record
 from jawenv.suggesting.suggestion import BESIDE, suggest
 
 
-def suggest_next(path: Path, output: Path, seconds: float, reading: dict[str, Any], overwrite: bool) -> None:
+def suggest_next(
+    path: Path, output: Path, seconds: float, search: int, reading: dict[str, Any], overwrite: bool
+) -> None:
     """Write the maneuver to record next, and say what it is expected to tell.
 
     Args:
         path: of the recording.
         output: of the maneuver.
         seconds: its length.
+        search: steps of the search.
         reading: arguments of ``load_record``.
         overwrite: whether an older maneuver may be replaced.
     """
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
     record = load_record(path, UNKNOWN, **reading)
-    found = suggest(record, seconds)
+    found = suggest(record, seconds, search)
     save_maneuver(found.maneuver, output)
     weakest = least_known(record, found.found)
     print(f"least known now: {weakest['words']}, sd {weakest['sd']:.1%}; largest error bar {found.worst_sd:.1%}")

@@ -16,7 +16,7 @@ from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N
 from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
 from jawenv.metrics import score
-from jawenv.playing.agents import Agent, Array
+from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import goals_of
 from jawenv.playing.maneuvers.written import maneuver_of_targets
@@ -26,6 +26,7 @@ from jawenv.recordings import defaults
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
 from jawenv.recordings.untold.learnt import identified_with_errors
+from jawenv.suggesting.search import searched_actions
 
 _POLICY, BESIDE = "apg_anyone", "refined"
 _SHORTEST_S, _LONGEST_S = 2.0, 30.0
@@ -73,16 +74,21 @@ class _Suggestion:
         return max(point.t_s for point in self.maneuver.channels.opening.points)  # type: ignore[union-attr]
 
 
-def suggest(record: Record, seconds: float = 10.0) -> _Suggestion:
+def suggest(record: Record, seconds: float = 10.0, search: int = 0) -> _Suggestion:
     """Suggest the movement to record next of a recording's patient.
 
     Args:
         record: of the whole midline jaw, as ``load_record`` gives it.
         seconds: length of the next recording, 2 to 30.
+        search: steps down the gradient of the twin from the policy's movement on, which take about two seconds each;
+            what it finds is suggested where more is expected of it.
 
     Raises:
         InputError: another length or model, or a recording that is not to be believed.
+        MissingPackageError: a search without the clone's packages.
     """
+    if search < 0:
+        raise InputError(f"search is {search}; allowed: 0 or more updates")
     if not _SHORTEST_S <= seconds <= _LONGEST_S:
         raise InputError(f"seconds is {seconds:g}; allowed: {_SHORTEST_S:g} to {_LONGEST_S:g}")
     model = defaults.model_of_geometry(record.jaw)
@@ -101,34 +107,48 @@ def suggest(record: Record, seconds: float = 10.0) -> _Suggestion:
         "force_sensor": record.force_sensor,
         "comfort_budget_s": _BUDGET * seconds,
     }
-    policy = named_agent(_POLICY, "targets")
-    assert policy is not None
-    maneuver = _written_down(policy, _patient(mean, model[1]), world, seconds)
-    rng = np.random.default_rng(0)
-    patients = [_patient(one, model[1]) for one in rng.multivariate_normal(mean, cov, _DRAWS)]
+    patients = [as_patient(one, model[1]) for one in np.random.default_rng(0).multivariate_normal(mean, cov, _DRAWS)]
     known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
-    expected, beside = (_expected(Player(one), patients, world, known) for one in (maneuver, Maneuver.named(BESIDE)))
-    return _Suggestion(found, maneuver, _worst(cov), expected, beside, _worst(np.linalg.inv(2.0 * known - prior)))
+    actions = [suggested_actions([as_patient(mean, model[1])], world)]
+    if search:
+        actions.append(searched_actions(actions[0], patients, mean[None], known[None], world, search))
+    maneuvers = [*(_written_down(one[0], seconds) for one in actions), Maneuver.named(BESIDE)]
+    *expected, beside = (_expected(Player(one), patients, world, known) for one in maneuvers)
+    best, maneuver = min(zip(expected, maneuvers, strict=False), key=lambda pair: pair[0].median)
+    return _Suggestion(found, maneuver, _worst(cov), best, beside, _worst(np.linalg.inv(2.0 * known - prior)))
 
 
-def _patient(theta: Array, tilt_deg: float) -> Patient:
-    """The patient of natural-log parameters, within what a patient can be."""
+def as_patient(theta: Array, tilt_deg: float = 0.0) -> Patient:
+    """A patient of natural-log parameters, within what a patient can be."""
     most = np.tile(np.log([LARGEST_F_O_N, LARGEST_B]), len(theta) // 2)
     return Patient.from_log_parameters(np.minimum(theta, most - 1e-9), head_tilt_deg=tilt_deg)
 
 
-def _written_down(policy: Agent, patient: Patient, world: dict[str, Any], seconds: float) -> Maneuver:
-    """The targets of a policy for a patient, as a maneuver."""
-    goals: list[Array] = []
+def suggested_actions(patients: list[Patient], world: dict[str, Any]) -> Array:
+    """Actions (N, T, 4) of the shipped policy for N patients in targets control.
+
+    Args:
+        patients: whom the estimates describe.
+        world: arguments of the environment.
+    """
+    policy = named_agent(_POLICY, "targets")
+    assert policy is not None
+    actions: list[Array] = []
 
     def note(env: Any, action: Any) -> None:
         if action is not None:
-            goals.append(goals_of(action)[0])
+            actions.append(np.asarray(action))
 
-    play(policy, patients=[patient], seed=0, env_kwargs=world, on_step=note)
+    play(policy, patients=patients, seed=0, env_kwargs=world, on_step=note)
+    return np.stack(actions, axis=1)
+
+
+def _written_down(actions: Array, seconds: float) -> Maneuver:
+    """The targets of actions (T, 4), as a maneuver."""
+    goals = goals_of(actions)
     text = f"Suggested by {_POLICY} for the estimates of a recording."
     header = {"name": "next", "title": "Next", "description": text, "source": "jawenv suggest"}
-    return maneuver_of_targets(np.array(goals), seconds / len(goals), header)
+    return maneuver_of_targets(goals, seconds / len(goals), header)
 
 
 def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array) -> _Expected:

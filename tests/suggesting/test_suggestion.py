@@ -49,3 +49,11 @@ def test_other_lengths_and_recordings_that_are_not_believed_are_refused(recordin
     spoilt = replace(record, samples=-record.samples)
     with pytest.raises(InputError, match="not to be believed"):
         suggest(spoilt)
+
+
+def test_a_search_is_suggested_only_where_more_is_expected_of_it(recording):
+    record = load_record(recording)
+    plain, searched = suggest(record, 2.0), suggest(record, 2.0, search=1)
+    assert searched.expected.median <= plain.expected.median
+    with pytest.raises(InputError, match="search is -1"):
+        suggest(record, 2.0, search=-1)

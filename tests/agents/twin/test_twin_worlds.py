@@ -10,6 +10,7 @@ import torch
 from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.observation import observation
+from agents.twin.search import searched
 from agents.twin.worlds import Worlds
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.playing.maneuvers import Maneuver
@@ -104,3 +105,29 @@ def test_a_found_maneuver_is_played_as_found():
     reached = within_reach(torch.tensor(TARGETS), 0.2).numpy()
     maneuver = maneuver_of_targets(reached, 0.2, header)
     np.testing.assert_allclose(maneuver.targets(0.2 * np.arange(1, 16)).value, reached, atol=1e-4)
+
+
+def test_beliefs_begin_with_what_was_known_before(env):
+    simulation = env.unwrapped.simulation
+    worlds = Worlds(Twin(simulation), Patients.of_worlds(simulation.worlds))
+    root = torch.randn(4, 12, 12, generator=torch.Generator().manual_seed(1), dtype=torch.float64)
+    mean, precision = worlds.patients.theta + 0.1, 50.0 * torch.eye(12).double() + root @ root.mT
+    worlds.belief.know(mean, precision)
+    assert torch.allclose(worlds.belief.mean, mean, atol=1e-12)
+    assert torch.allclose(torch.linalg.inv(worlds.belief.covariance[:, :12, :12]), precision)
+
+
+def test_a_search_makes_the_mean_of_a_group_better(env):
+    """Two groups of two patients: each gets targets of its own, and costs less with them than with the start's."""
+    simulation = env.unwrapped.simulation
+    twin, patients = Twin(simulation), Patients.of_worlds(simulation.worlds)
+    start = np.tile(TARGETS, (2, 1, 1))
+    found = searched(twin, patients, start, 3)
+    assert found.shape == start.shape and np.abs(found[0] - found[1]).max() > 1e-3
+
+    def cost(targets):
+        worlds = Worlds(twin, patients)
+        discomfort = sum(worlds.step(target) for target in torch.tensor(targets).repeat_interleave(2, 0).unbind(1))
+        return (log_worst(worlds) + discomfort).detach().reshape(2, 2).mean(1)
+
+    assert (cost(found) < cost(start)).all()

@@ -1,0 +1,68 @@
+"""Targets that are best for each patient, or for patients whom a belief allows, down the twin's gradient.
+
+Adam (Kingma & Ba 2015, arXiv:1412.6980) moves knots of the targets: single decisions would make the jaw tremble.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agents.twin.constants import Patients, Twin
+from agents.twin.objective import log_worst, weights
+from agents.twin.worlds import Worlds
+from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.playing.agents import Array
+
+_KNOT_S = 0.4
+_SCALE = np.array([0.25, 0.4, 0.1, 0.4])
+"""Of the channels' steps."""
+_LEARNING_RATE = 0.03  # of Adam, in parts of ``_SCALE``
+_PRICE = 8.0  # nats that a second of the twin's discomfort is worth
+
+
+class Known(NamedTuple):
+    """What N earlier recordings say of the parameters."""
+
+    mean: Array  # (N, 12)
+    precision: Array  # (N, 12, 12), with the prior's
+
+
+def searched(
+    twin: Twin, patients: Patients, base: Array, updates: int, asked: Tensor | None = None, known: Known | None = None
+) -> Array:
+    """Targets (N, T, 4) with the smallest error bars and discomfort, one row for each group of patients.
+
+    Args:
+        twin: constants.
+        patients: N groups of equal size, the patients of a group side by side; their mean cost counts.
+        base: (N, T, 4) targets that the search begins with.
+        updates: steps of Adam.
+        asked: muscles of each patient, as ``Worlds`` takes them.
+        known: where the groups' beliefs begin; at the prior by default.
+    """
+    start, together = torch.tensor(np.asarray(base)), len(patients) // len(base)
+    times = twin.decision_s * np.arange(1, start.shape[1] + 1)
+    knots = np.arange(0.0, times[-1] + _KNOT_S, _KNOT_S)
+    between = np.clip(1.0 - np.abs(times[:, None] - knots) / _KNOT_S, 0.0, None)
+    moves, marks = torch.tensor(between[..., None] * _SCALE), weights(len(times))
+    x = start.new_zeros(len(start), len(knots), start.shape[2], requires_grad=True)
+    optimiser = torch.optim.Adam([x], _LEARNING_RATE, betas=(0.8, 0.95))
+    for _ in range(updates):
+        targets = start + torch.einsum("tkc,nkc->ntc", moves, x)
+        worlds, cost = Worlds(twin, patients, asked=asked), start.new_zeros(len(patients))
+        if known is not None:
+            worlds.belief.know(*(torch.tensor(part).repeat_interleave(together, 0) for part in known))
+        for number, target in enumerate(targets.repeat_interleave(together, 0).unbind(1), 1):
+            cost = cost + _PRICE * worlds.step(target)
+            if number in marks:
+                cost = cost + marks[number] * log_worst(worlds)
+        optimiser.zero_grad()
+        cost.reshape(len(start), together).mean(-1).sum().backward()  # type: ignore[no-untyped-call]
+        optimiser.step()
+    found = start + torch.einsum("tkc,nkc->ntc", moves, x.detach())
+    targets_found: Array = np.clip(found.numpy(), np.array(LOWEST), HIGHEST)
+    return targets_found

@@ -1,0 +1,48 @@
+"""The search of the twin from a suggested movement on, for patients whom the belief allows."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+
+from jawenv.anatomy import Patient
+from jawenv.base.errors import MissingPackageError
+from jawenv.ladder import DEFAULT_ENV
+from jawenv.playing.agents import Array
+from jawenv.playing.maneuvers.maneuver import action_of, goals_of
+
+
+def searched_actions(
+    actions: Array, patients: list[Patient], mean: Array, precision: Array, world: dict[str, Any], updates: int
+) -> Array:
+    """Actions (N, T, 4) of N movements after the search.
+
+    Args:
+        actions: (N, T, 4) that it begins with.
+        patients: N groups of equal size, of whom each movement is made; those of a group side by side.
+        mean: (N, 12) parameters that the recordings believe in.
+        precision: (N, 12, 12) of the same, with the prior's.
+        world: arguments of the environment.
+        updates: steps of the search.
+
+    Raises:
+        MissingPackageError: torch, or the clone's package of agents, is not installed.
+    """
+    try:
+        search, constants = (importlib.import_module(f"agents.twin.{part}") for part in ("search", "constants"))
+    except ModuleNotFoundError as error:
+        raise MissingPackageError(
+            f"--search: {error.name} is not installed; allowed in a clone of the project, with its extra train "
+            "(.ci/setup train)"
+        ) from None
+    env: Any = gym.make_vec(DEFAULT_ENV, len(patients), **world, autoreset_mode="disabled")
+    env.reset(seed=0, options={"patients": patients})
+    simulation = env.unwrapped.simulation
+    treated = constants.Patients.of_worlds(simulation.worlds)
+    known = search.Known(mean, precision)
+    found = search.searched(constants.Twin(simulation), treated, goals_of(actions), updates, known=known)
+    env.close()
+    return np.asarray(action_of(found), dtype=np.float32)
