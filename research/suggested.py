@@ -21,7 +21,7 @@ from jawenv.anatomy import cohort
 from jawenv.base.seeds import REPORTS
 from jawenv.playing.agents import Array
 from jawenv.suggesting.search import searched_actions
-from jawenv.suggesting.suggestion import as_patient, suggested_actions
+from jawenv.suggesting.suggestion import as_patient, drawn_from, suggested_actions
 
 _FIRST, _OTHERS, _DRAWS = "slow_opening", ("refined_one_sided", "slow_opening"), 8
 _ANOTHER, _SEARCHED, _BUDGET_S = "another's", "suggested after the search", 1.0 / 30.0
@@ -85,7 +85,7 @@ def _movements(first: _Played, world: dict[str, Any], arguments: argparse.Namesp
     movements |= {"suggested": Replay("suggested", actions, hz)}
     movements |= {_ANOTHER: Replay(_ANOTHER, np.roll(actions, 1, axis=0), hz)}
     if arguments.search:
-        rows = _drawn(first.belief, arguments.seed, _DRAWS).swapaxes(0, 1)
+        rows = _drawn(first.belief, arguments.seed)
         patients = [as_patient(row) for row in rows.reshape(-1, rows.shape[-1])]
         found = searched_actions(actions, patients, *first.belief, world, arguments.search)
         movements |= {_SEARCHED: Replay(_SEARCHED, found, hz)}
@@ -125,16 +125,16 @@ def _ratio(one: _Belief, beside: _Belief) -> str:
     return words.with_interval(statistics.Interval(*np.exp([of_logs.value, of_logs.low, of_logs.high])), 3)
 
 
-def _drawn(belief: _Belief, seed: int, draws: int) -> Array:
-    """Parameters (draws, N, p) that beliefs allow."""
-    rng, cov = np.random.default_rng(seed), np.linalg.inv(belief.precision)
-    return np.stack([rng.multivariate_normal(*one, draws) for one in zip(belief.mean, cov, strict=True)], axis=1)
+def _drawn(belief: _Belief, seed: int) -> Array:
+    """Parameters (N, draws, p) that beliefs allow."""
+    cov: Array = np.linalg.inv(belief.precision).astype(np.float64)
+    return drawn_from(belief.mean, cov, _DRAWS, seed)
 
 
 def _expected(first: _Played, agent: Replay, world: dict[str, Any], seed: int) -> Array:
     """Median (N,) over draws from the first belief of the log of the largest error bar after both recordings."""
     draws = []
-    for k, rows in enumerate(_drawn(first.belief, seed, _DRAWS)):
+    for k, rows in enumerate(_drawn(first.belief, seed).swapaxes(0, 1)):
         played = _play(agent, [as_patient(row) for row in rows], seed + k, world)
         draws.append(_added(first, played).log_worst)
     return np.median(draws, axis=0)

@@ -118,6 +118,9 @@ def _suggest_command(
     output: Annotated[Path, typer.Option("--output", "-o", help="Maneuver to record next.", metavar="FILE.yaml")],
     seconds: Annotated[float, typer.Option(help="Its length.", metavar="S")] = 10.0,
     search: Annotated[int, typer.Option(help="Steps of the search from there, 2 s each.", metavar="N")] = 0,
+    asked: Annotated[
+        str | None, typer.Option(help="Muscle whose error bars count, or a word of several.", metavar="NAME")
+    ] = None,
     cohort: Annotated[
         str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
     ] = None,
@@ -131,7 +134,8 @@ def _suggest_command(
     from jawenv.commands.suggest import suggest_next
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns}
-    suggest_next(recording, output, seconds, search, reading, overwrite)
+    wanted = {"seconds": seconds, "search": search, "asked": asked}
+    suggest_next(recording, output, wanted, reading, overwrite)
 
 
 @app.command("import")

@@ -12,29 +12,26 @@ from jawenv.recordings.files import load_record
 from jawenv.suggesting.suggestion import BESIDE, suggest
 
 
-def suggest_next(
-    path: Path, output: Path, seconds: float, search: int, reading: dict[str, Any], overwrite: bool
-) -> None:
+def suggest_next(path: Path, output: Path, wanted: dict[str, Any], reading: dict[str, Any], overwrite: bool) -> None:
     """Write the maneuver to record next, and say what it is expected to tell.
 
     Args:
         path: of the recording.
         output: of the maneuver.
-        seconds: its length.
-        search: steps of the search.
+        wanted: arguments of ``suggest``.
         reading: arguments of ``load_record``.
         overwrite: whether an older maneuver may be replaced.
     """
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
     record = load_record(path, UNKNOWN, **reading)
-    found = suggest(record, seconds, search)
+    found = suggest(record, **wanted)
     save_maneuver(found.maneuver, output)
     weakest = least_known(record, found.found)
     print(f"least known now: {weakest['words']}, sd {weakest['sd']:.1%}; largest error bar {found.worst_sd:.1%}")
     print(f"next: {found.movement()}")
     comfort = f"discomfort {found.expected.discomfort_s:.3f} s"
-    print(f"expected after {seconds:g} s more: {_in_words(found.expected)}, {comfort}")
+    print(f"expected after {found.seconds:g} s more: {_in_words(found.expected)}, {comfort}")
     print(f"in its place: the same again {found.again:.1%}, {BESIDE} {_in_words(found.beside)}")
     print(f"maneuver: {output}")
 

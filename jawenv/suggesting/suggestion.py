@@ -11,12 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.anatomy import Patient
+from jawenv.anatomy import MUSCLE_NAMES, Patient
 from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N
 from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
+from jawenv.envs.asked import RANDOM, asked_muscles, checked_asked
+from jawenv.inference.treatable import treatable
 from jawenv.metrics import score
-from jawenv.playing.agents import Array
+from jawenv.playing.agents import Array, Mask
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import goals_of
 from jawenv.playing.maneuvers.written import maneuver_of_targets
@@ -28,7 +30,7 @@ from jawenv.recordings.record import Record
 from jawenv.recordings.untold.learnt import identified_with_errors
 from jawenv.suggesting.search import searched_actions
 
-_POLICY, BESIDE = "apg_anyone", "refined"
+_POLICY, _ASKED_POLICY, BESIDE = "apg_anyone", "apg_asked", "refined"
 _SHORTEST_S, _LONGEST_S = 2.0, 30.0
 _DRAWS = 16
 """Patients from the belief, for what is expected."""
@@ -74,7 +76,7 @@ class _Suggestion:
         return max(point.t_s for point in self.maneuver.channels.opening.points)  # type: ignore[union-attr]
 
 
-def suggest(record: Record, seconds: float = 10.0, search: int = 0) -> _Suggestion:
+def suggest(record: Record, seconds: float = 10.0, search: int = 0, asked: str | None = None) -> _Suggestion:
     """Suggest the movement to record next of a recording's patient.
 
     Args:
@@ -82,13 +84,18 @@ def suggest(record: Record, seconds: float = 10.0, search: int = 0) -> _Suggesti
         seconds: length of the next recording, 2 to 30.
         search: steps down the gradient of the twin from the policy's movement on, which take about two seconds each;
             what it finds is suggested where more is expected of it.
+        asked: the muscle whose error bars count, or a word of several, as `left`; all by default.
 
     Raises:
-        InputError: another length or model, or a recording that is not to be believed.
+        InputError: another length, model or muscle, or a recording that is not to be believed.
         MissingPackageError: a search without the clone's packages.
     """
     if search < 0:
         raise InputError(f"search is {search}; allowed: 0 or more updates")
+    if asked == RANDOM:
+        raise InputError(f"asked is {asked!r}; allowed: a muscle, or a word of several, as left")
+    checked_asked(asked, MUSCLE_NAMES)
+    counted = np.repeat(asked_muscles(asked, MUSCLE_NAMES, np.zeros(2, dtype=np.uint64)), 2)
     if not _SHORTEST_S <= seconds <= _LONGEST_S:
         raise InputError(f"seconds is {seconds:g}; allowed: {_SHORTEST_S:g} to {_LONGEST_S:g}")
     model = defaults.model_of_geometry(record.jaw)
@@ -106,22 +113,40 @@ def suggest(record: Record, seconds: float = 10.0, search: int = 0) -> _Suggesti
         "knowledge": record.knowledge,
         "force_sensor": record.force_sensor,
         "comfort_budget_s": _BUDGET * seconds,
+        "asked": asked,
     }
-    patients = [as_patient(one, model[1]) for one in np.random.default_rng(0).multivariate_normal(mean, cov, _DRAWS)]
+    patients = [as_patient(row, model[1]) for row in drawn_from(mean[None], cov[None], _DRAWS, 0)[0]]
     known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
     actions = [suggested_actions([as_patient(mean, model[1])], world)]
     if search:
         actions.append(searched_actions(actions[0], patients, mean[None], known[None], world, search))
     maneuvers = [*(_written_down(one[0], seconds) for one in actions), Maneuver.named(BESIDE)]
-    *expected, beside = (_expected(Player(one), patients, world, known) for one in maneuvers)
+    *expected, beside = (_expected(Player(one), patients, world, known, counted) for one in maneuvers)
     best, maneuver = min(zip(expected, maneuvers, strict=False), key=lambda pair: pair[0].median)
-    return _Suggestion(found, maneuver, _worst(cov), best, beside, _worst(np.linalg.inv(2.0 * known - prior)))
+    again = _worst(np.linalg.inv(2.0 * known - prior), counted)
+    return _Suggestion(found, maneuver, _worst(cov, counted), best, beside, again)
 
 
 def as_patient(theta: Array, tilt_deg: float = 0.0) -> Patient:
     """A patient of natural-log parameters, within what a patient can be."""
     most = np.tile(np.log([LARGEST_F_O_N, LARGEST_B]), len(theta) // 2)
     return Patient.from_log_parameters(np.minimum(theta, most - 1e-9), head_tilt_deg=tilt_deg)
+
+
+def drawn_from(means: Array, covs: Array, draws: int, seed: int) -> Array:
+    """Parameters (N, draws, p) that beliefs allow, of patients whom the device can treat.
+
+    Args:
+        means: (N, p) of the beliefs.
+        covs: (N, p, p) of the same.
+        draws: of each belief; where fewer can be treated these come again, and the mean where none can.
+        seed: of the draw.
+    """
+    rng = np.random.default_rng(seed)
+    rows = np.stack([rng.multivariate_normal(mean, cov, 2 * draws) for mean, cov in zip(means, covs, strict=True)])
+    fit = treatable(rows.reshape(-1, means.shape[1])).reshape(rows.shape[:2])
+    kept = [one[good] if good.any() else mean[None] for one, good, mean in zip(rows, fit, means, strict=True)]
+    return np.stack([np.resize(one, (draws, means.shape[1])) for one in kept])
 
 
 def suggested_actions(patients: list[Patient], world: dict[str, Any]) -> Array:
@@ -131,7 +156,7 @@ def suggested_actions(patients: list[Patient], world: dict[str, Any]) -> Array:
         patients: whom the estimates describe.
         world: arguments of the environment.
     """
-    policy = named_agent(_POLICY, "targets")
+    policy = named_agent(_ASKED_POLICY if world.get("asked") else _POLICY, "targets")
     assert policy is not None
     actions: list[Array] = []
 
@@ -146,20 +171,23 @@ def suggested_actions(patients: list[Patient], world: dict[str, Any]) -> Array:
 def _written_down(actions: Array, seconds: float) -> Maneuver:
     """The targets of actions (T, 4), as a maneuver."""
     goals = goals_of(actions)
-    text = f"Suggested by {_POLICY} for the estimates of a recording."
+    text = "Suggested for the estimates of a recording."
     header = {"name": "next", "title": "Next", "description": text, "source": "jawenv suggest"}
     return maneuver_of_targets(goals, seconds / len(goals), header)
 
 
-def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array) -> _Expected:
-    """Expected worth of a movement for patients beside the precision ``known`` (p, p)."""
+def _expected(
+    player: Player, patients: list[Patient], world: dict[str, Any], known: Array, counted: Mask
+) -> _Expected:
+    """Expected worth of a movement for patients beside the precision ``known`` (p, p), where ``counted`` (p,)."""
     played = play(player, patients=patients, seed=1, env_kwargs=world)
     prior = Prior(played.prior_mean, played.prior_sd)
     told = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)
-    worst = [_worst(np.linalg.inv(known + one)) for one in told]
+    worst = [_worst(np.linalg.inv(known + one), counted) for one in told]
     low, median, high = np.quantile(worst, [0.05, 0.5, 0.95])
     return _Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()))
 
 
-def _worst(cov: Any) -> float:
-    return float(np.sqrt(np.diagonal(cov).max()))
+def _worst(cov: Any, counted: Any) -> float:
+    """The largest error bar of those that count (p,)."""
+    return float(np.sqrt(np.diagonal(cov)[counted].max()))

@@ -57,3 +57,13 @@ def test_a_search_is_suggested_only_where_more_is_expected_of_it(recording):
     assert searched.expected.median <= plain.expected.median
     with pytest.raises(InputError, match="search is -1"):
         suggest(record, 2.0, search=-1)
+
+
+def test_a_question_makes_another_movement_and_counts_its_muscle_alone(recording):
+    record = load_record(recording)
+    asked, every = suggest(record, 2.0, asked="masseter_left"), suggest(record, 2.0)
+    assert asked.worst_sd < every.worst_sd
+    assert asked.maneuver.channels != every.maneuver.channels
+    for wrong in ("tongue", "random"):
+        with pytest.raises(InputError, match="asked is"):
+            suggest(record, asked=wrong)
