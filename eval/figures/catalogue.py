@@ -182,6 +182,7 @@ _ALL = (
     ),
     Figure("identified", "parameters known", "higher", narrow="known\nof {parameters}"),
     *(figure for target in TARGETS for figure in _of_target(target)),
+    Figure("verdicts_s", "all verdicts of the data after, s", "lower", "median", narrow="verdicts\ns"),
     Figure("discomfort_s", "discomfort, s", "lower", digits=3),
     Figure(
         "discomfort_rate",

@@ -109,6 +109,7 @@ def _table(ranking: Ranking, title: str, columns: Sequence[Column]) -> Table:
 def _short(ranking: Ranking) -> Table:
     columns = [
         *(_figure(time_to(target), f"within\n{100.0 * target:g} %, s") for target in (first.NEARLY_KNOWN, KNOWN)),
+        _figure("verdicts_s"),
         _figure("worst_sd", "worst sd\n%", 1),
         _figure("discomfort_rate"),
         _error_bars(ranking),

@@ -18,7 +18,17 @@ import pandas as pd
 
 from eval.kept.cells import Rows
 from eval.kept.entries import Entry
-from jawenv.metrics import claimed_information, nees, rmse, score, true_information, worst_sd
+from jawenv.metrics import (
+    claimed_information,
+    nees,
+    rmse,
+    score,
+    true_information,
+    whole_muscles_per_line,
+    worst_sd,
+)
+from jawenv.metrics.precision import for_good
+from jawenv.metrics.verdicts import standing
 from jawenv.playing.recording import Recording
 
 Array = npt.NDArray[np.float64]
@@ -75,12 +85,21 @@ def outcomes_of(recording: Recording, seed: int) -> pd.DataFrame:
     columns |= _early(recording)
     columns |= _use_of_limits(recording)
     columns |= {f"time_to_{target:g}_s": seconds for target, seconds in judged.time_to_s.items()}
+    columns |= {"verdicts_s": verdicts_stand_s(recording)}
     columns |= {f"inside_{sigmas}_sigma": share for sigmas, share in judged.inside.items()}
     kinds = {"truth": recording.truth, "error": judged.error, "sd": judged.sd, "bound_sd": judged.bound_sd}
     for kind, values in kinds.items():
         columns |= {f"{kind}/{name}": values[:, i] for i, name in enumerate(recording.parameter_names)}
     columns |= {f"{OVER_TIME}{quantity}": list(values) for quantity, values in _over_time(recording).items()}
     return pd.DataFrame(columns)
+
+
+def verdicts_stand_s(recording: Recording) -> Array:
+    """First time (N,), s, from which on the data have a verdict on every muscle; NaN unless lines are whole muscles."""
+    if whole_muscles_per_line(recording.parameter_names) != 1.0:
+        return np.full(recording.num_worlds, np.nan)
+    stands = standing(recording.belief_mean, recording.belief_cov, recording.prior_sd).all(axis=-1)
+    return for_good(stands & recording.valid, recording.time)
 
 
 def _use_of_limits(recording: Recording) -> dict[str, Array]:

@@ -17,6 +17,7 @@ from eval.rows import outcomes
 from eval.rows.outcomes import outcomes_of
 from jawenv.base.errors import InputError
 from jawenv.metrics import time_to
+from jawenv.metrics.precision import for_good
 from jawenv.playing.recording import Recording
 
 Array = npt.NDArray[np.float64]
@@ -42,12 +43,8 @@ def within_for_good(recording: Recording, within: float) -> Array:
     if not within > 0.0:
         raise InputError(f"within is {within}; allowed: a share above 0")
     relative = recording.of_asked(np.abs(np.expm1(recording.belief_mean - recording.truth[:, None])))
-    outside = relative.max(axis=-1) > within
-    steps = outside.shape[1]
-    first = steps - np.argmax(outside[:, ::-1], axis=1)  # the step after the last one outside
-    first = np.where(outside.any(axis=1), first, 0)
-    reached = (first < steps) & completed(recording)
-    return np.where(reached, recording.time[np.minimum(first, steps - 1)], np.inf)
+    reached = for_good(relative.max(axis=-1) <= within, recording.time)
+    return np.where(completed(recording), reached, np.inf)
 
 
 def completed(recording: Recording) -> npt.NDArray[np.bool_]:

@@ -47,6 +47,21 @@ def time_to(sd: Array, time: Array, threshold: float, valid: npt.NDArray[np.bool
     return np.where(reached.any(axis=-1), time[first], np.inf)
 
 
+def for_good(holds: npt.NDArray[np.bool_], time: Array) -> Array:
+    """First time from which on something holds to the end.
+
+    Args:
+        holds: (N, T) whether it does.
+        time: (T,) in s.
+
+    Returns:
+        (N,) in s; infinite where it does not hold at the end.
+    """
+    first = holds.shape[1] - np.argmin(holds[:, ::-1], axis=1)  # the step after the last one at which it does not
+    first = np.where(holds.all(axis=1), 0, first)
+    return np.where(holds[:, -1], time[np.minimum(first, len(time) - 1)], np.inf)
+
+
 def identified(mean: Array, sd: Array, truth: Array, sd_limit: float = 0.10) -> npt.NDArray[np.bool_]:
     """Mask of the parameters that are known: a small standard deviation *and* the truth inside the 95 % interval.
 

@@ -176,9 +176,7 @@ def _written_down(actions: Array, seconds: float) -> Maneuver:
     return maneuver_of_targets(goals, seconds / len(goals), header)
 
 
-def _expected(
-    player: Player, patients: list[Patient], world: dict[str, Any], known: Array, counted: Mask
-) -> _Expected:
+def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array, counted: Mask) -> _Expected:
     """Expected worth of a movement for patients beside the precision ``known`` (p, p), where ``counted`` (p,)."""
     played = play(player, patients=patients, seed=1, env_kwargs=world)
     prior = Prior(played.prior_mean, played.prior_sd)

@@ -27,7 +27,14 @@ def compared(*without: str) -> Results:
 
     def add(label, shift, **about):
         values = base * np.exp(rng.normal(shift, 1e-3, PATIENTS))
-        columns = {"worst_sd": values, "rmse": values, "nees": 12.0, "duration_s": 10.0}
+        columns = {
+            "time_to_0.05_s": 100.0 * values,
+            "verdicts_s": 2.0,
+            "worst_sd": values,
+            "rmse": values,
+            "nees": 12.0,
+            "duration_s": 10.0,
+        }
         columns |= {"discomfort_s": DISCOMFORT.get(label, 0.01), "patient": np.arange(PATIENTS), "entry": label}
         entries.append({"label": label, **about})
         tables.append(pd.DataFrame(columns | {f"{kind}/{k}": 0.1 for kind in ("sd", "truth") for k in range(12)}))
@@ -46,11 +53,12 @@ def compared(*without: str) -> Results:
 def test_seeds_are_one_row_on_a_scale_from_the_admitted_maneuver_to_the_clairvoyant():
     found = contestants(compared())
     assert [(row.name, row.seeds) for row in found] == [("clairvoyant", 1), ("apg", 2), ("quick", 1), ("refined", 1)]
-    worst, closed, _, replay, yoked, discomfort, above, nees = found[1].figures
+    sure, late, verdicts, worst, closed, _, replay, yoked, discomfort, above, nees = found[1].figures
+    assert 1.0 < sure.value < late.value < 5.0 and verdicts.value == 2.0
     assert (worst.value, replay.value, yoked.value) == pytest.approx((-0.25, -0.25, -0.35), abs=1e-3)
     assert (closed.value, closed.low, closed.high) == pytest.approx((50.0, 40.0, 60.0), abs=0.3)
     assert (discomfort.value, above.value, nees.value) == pytest.approx((0.01, 0.0, 1.0))
-    assert found[2].figures[6].value == 100.0 and not found[0].figures[3].known
+    assert found[2].figures[9].value == 100.0 and not found[0].figures[6].known
 
 
 def test_a_page_has_a_table_for_each_comparison_its_command_and_the_bound():
