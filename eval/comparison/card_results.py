@@ -61,6 +61,8 @@ def _figures(results: Results, entry: str) -> Iterator[tuple[str, str, Interval]
         "discomfort_s": f"discomfort in {end}, s",
         "nees": f"NEES after {end}, {parameters} if calibrated",
     }
+    if titles["early_worst_sd"] == titles["worst_sd"]:
+        del titles["early_worst_sd"]
     for name, title in titles.items():
         figure = FIGURES[name]
         if figure.statistic == "mean" or np.isfinite(figure.of(rows)).all():

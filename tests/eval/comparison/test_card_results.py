@@ -30,6 +30,13 @@ def test_figures_are_those_of_the_entry() -> None:
     assert {(result.cohort, result.patients, result.seeds) for result in reached.values()} == {("trismus", 40, (7, 46))}
 
 
+def test_an_episode_of_ten_seconds_is_told_once() -> None:
+    made = study()
+    made.about["settings"]["episode_s"] = 10.0
+    told = [result.metric for result in card_results(made, GOOD).results]
+    assert len(set(told)) == len(told) == 4
+
+
 def test_the_command_writes_what_an_export_reads(tmp_path, capsys) -> None:
     results.save(study(), tmp_path)
     output = tmp_path / "reached.json"
