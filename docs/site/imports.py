@@ -29,6 +29,7 @@ STUDY = (
     "playing",
     "metrics",
     "inference",
+    "design",
     "suggesting",
     "sb3",
     "live",

@@ -287,3 +287,10 @@ def test_my_own_learner_names_what_is_not_allowed(refusal) -> None:
 @pytest.mark.parametrize("script", ["train_with_sb3.py", "train_with_torchrl.py", "sbi_posterior.py"])
 def test_training_examples_are_short(script: str) -> None:
     assert len((ROOT / "examples" / script).read_text(encoding="utf-8").splitlines()) < 80
+
+
+def test_environments_of_others_methods() -> None:
+    assert run("examples/linear_design_env.py").stdout == "a design environment\n"
+    done = run("examples/bayesflow_simulator.py")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == ["theta     (8, 2)", "readings  (8, 21, 12)"]

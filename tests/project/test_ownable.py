@@ -132,6 +132,7 @@ LEAVES = {
         ("report",),
     ),
     "suggest": Leaf(("jawenv/suggesting/*", "jawenv/commands/suggest.py"), (JAWENV,), ("tests/suggesting",)),
+    "design environments": Leaf(("jawenv/design/*",), (), ("tests/design",)),
     "static bound": Leaf(("agents/static_bound.py",), (), ("tests/agents/test_static_bound.py",), ("contest",)),
     "contest": Leaf(
         ("eval/comparison/contest.py", "eval/comparison/cost.py"),

@@ -1,0 +1,42 @@
+"""The interface of a design environment (docs/design_environment.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+Readings: TypeAlias = Mapping[str, Any]
+"""What an experiment reads: arrays by name, and whatever else its likelihood needs."""
+
+
+class Law(Protocol):
+    """A distribution of p parameters."""
+
+    def sample(self, n: int, seed: int) -> Array:
+        """(n, p) draws, the same for the same seed."""
+
+    def log_density(self, theta: ArrayLike) -> Array:
+        """(n,) nats of parameters (n, p); -inf where nobody is."""
+
+
+class DesignEnv(Protocol):
+    """What a design environment has beside ``reset``, ``step`` and spaces of ``gymnasium.Env``.
+
+    The ``info`` of ``reset`` and ``step`` has ``belief_mean`` (p,), ``belief_cov`` (p, p), ``truth`` (p,) and ``cost``,
+    0 or more a second.
+    """
+
+    parameter_names: tuple[str, ...]
+    """Names of the p parameters, in the order of all arrays."""
+    prior: Law
+    """Of the truth that ``reset`` draws."""
+
+    def simulate(self, theta: ArrayLike, actions: ArrayLike, seed: int) -> Readings:
+        """What an experiment with parameters (p,) reads under K actions; leaves the episode as it is."""
+
+    def log_likelihood(self, readings: Readings, theta: ArrayLike) -> Array | None:
+        """(m,) nats of readings given parameters (m, p), up to a constant; None where there is no likelihood."""
