@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from agents.planning import Planner
 from jawenv.controls import Control
+
+if TYPE_CHECKING:
+    from agents.planning import Planner
 
 
 class _MakesPlanner(Protocol):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import settings
 
 from jawenv.mechanics import build_jaw
-from tests import browser
+from tests import browser, compiling
 
 # No deadline: the first call compiles, and machines are shared. Always the same examples.
 settings.register_profile("jawenv", deadline=None, derandomize=True)
@@ -23,6 +23,7 @@ LONG = ("acceptance", "training", "filter")  # folders of the longest tests
 
 def pytest_configure():
     """Interrupts reach tests and their processes also where the shell that began the suite ignores them."""
+    compiling.apart()
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -14,7 +14,8 @@ import arguments
 import gymnasium as gym
 
 import jawenv  # noqa: F401  registers the environments
-from jawenv.envs.jaw import JawEnv, action_space, observation_space
+from jawenv.envs.argument_checks import action_space, observation_space
+from jawenv.envs.jaw import JawEnv
 from jawenv.envs.observation import observation_layout, observation_size
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import KNOWN_WITHIN_SDS, MODELS, Model

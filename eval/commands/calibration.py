@@ -11,10 +11,10 @@ from eval.commands import options
 from eval.commands.options import terminal, typed
 from jawenv.base.errors import InputError
 from jawenv.base.files import write_text
-from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world("episode_s")
+@options.takes_together
 def _calibrate_command(
     world: dict[str, Any],
     entries: Annotated[
@@ -28,15 +28,11 @@ def _calibrate_command(
             metavar="NAME,...",
         ),
     ] = "tension",
-    patients: options.Patients = 200,
-    seed: options.Seed = REPORTS[0].start,
     times: Annotated[
         str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")
     ] = "10,30,60",
-    output: options.Output = Path("runs/calibrate"),
+    played: options.Played = options.Played(Path("runs/calibrate"), 200),
     details: options.Details = False,
-    fresh: options.Fresh = False,
-    trust: options.Trust = False,
 ) -> None:
     """Say whether filters are calibrated: whether the truth lies where they claim, on all cores.
 
@@ -52,9 +48,10 @@ def _calibrate_command(
 
     moments = tuple(_seconds(text) for text in times.split(","))
     names = tuple(name.strip() for name in filters.split(","))
-    settings, console = Settings.of(patients, seed, **world | {"episode_s": moments[-1]}), terminal()
-    cells = cells_of(list(dict.fromkeys(entries or [])), names, moments, settings, trust=trust)
-    rows = play_cells(cells, output, Run(fresh, console=console), "estimates")
+    output, console = played.output, terminal()
+    settings = Settings.of(played.patients, played.seed, **world | {"episode_s": moments[-1]})
+    cells = cells_of(list(dict.fromkeys(entries or [])), names, moments, settings, trust=played.trust)
+    rows = play_cells(cells, output, Run(played.fresh, console=console), "estimates")
     table = summary.summarise(rows)
     metadata = made_with(typed(), settings=settings.to_mapping(), filters=names, times=moments)
     write_table(rows, output / "beliefs.parquet", metadata)

@@ -14,7 +14,7 @@ from eval.commands import options
 from eval.commands.options import terminal, typed
 from jawenv.base.errors import InputError
 from jawenv.base.locks import alone
-from jawenv.base.seeds import REPLAYS, REPORTS
+from jawenv.base.seeds import REPLAYS
 
 if TYPE_CHECKING:
     from eval.comparison.admission import AdmissionLimits
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 
 @options.takes_world()
+@options.takes_together
 def _compare_command(
     world: dict[str, Any],
     entries: Annotated[
@@ -31,11 +32,7 @@ def _compare_command(
     all_maneuvers: Annotated[
         bool, typer.Option("--all-maneuvers", help="Add every hand-made maneuver and the random policy.")
     ] = False,
-    patients: options.Patients = 64,
-    seed: options.Seed = REPORTS[0].start,
-    reference: options.Reference = None,
-    largest_discomfort_s: options.LargestDiscomfort = 0.1,
-    largest_violation: options.LargestViolation = 0.01,
+    ranked: options.Ranked = options.Ranked(),
     with_replay: Annotated[
         bool,
         typer.Option(
@@ -44,9 +41,7 @@ def _compare_command(
             "looking: an entry that adapts to its patient does better.",
         ),
     ] = False,
-    output: options.Output = Path("runs/compare"),
-    fresh: options.Fresh = False,
-    trust: options.Trust = False,
+    played: options.Played = options.Played(Path("runs/compare")),
     details: options.Details = False,
 ) -> None:
     """Play every entry on the same patients with the same noise, rank them and write a report.
@@ -60,28 +55,27 @@ def _compare_command(
     from eval.comparison.results import compare
     from eval.kept.entries import Settings, env_of_runs, load_entries, maneuver_names
 
-    admission = AdmissionLimits(largest_discomfort_s, largest_violation)
+    admission, output = AdmissionLimits(ranked.largest_discomfort_s, ranked.largest_violation), played.output
     specs = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    settings = Settings.of(patients, seed, **{"env": env_of_runs(specs)} | world)
-    loaded = load_entries(specs, settings.world, trust=trust)
-    if reference is not None and reference not in [entry.label for entry in loaded]:
+    settings = Settings.of(played.patients, played.seed, **{"env": env_of_runs(specs)} | world)
+    loaded = load_entries(specs, settings.world, trust=played.trust)
+    if ranked.reference is not None and ranked.reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
-        raise InputError(f"reference is {reference!r}; allowed: {allowed}")
+        raise InputError(f"reference is {ranked.reference!r}; allowed: {allowed}")
     console = terminal()
     if with_replay:
         from eval.episodes.replays import add_replays
 
-        loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
-    study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
-    play = partial(play_patient, trust=trust, own_modules=True)
-    _present(study, output, reference, admission, console, details, play)
+        loaded = add_replays(loaded, settings, output / "replays", fresh=played.fresh, console=console)
+    study = compare(loaded, settings, output, command=typed(), fresh=played.fresh, console=console)
+    play = partial(play_patient, trust=played.trust, own_modules=True)
+    _present(study, output, ranked.reference, admission, console, details, play)
 
 
+@options.takes_together
 def _report_command(
     folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
-    reference: options.Reference = None,
-    largest_discomfort_s: options.LargestDiscomfort = 0.1,
-    largest_violation: options.LargestViolation = 0.01,
+    ranked: options.Ranked = options.Ranked(),
     patient: Annotated[
         int | None,
         typer.Option(help="Seed of the patient whose motion is shown; the first by default.", metavar="SEED"),
@@ -94,10 +88,10 @@ def _report_command(
     from eval.comparison.admission import AdmissionLimits
     from eval.comparison.motion import play_patient
 
-    admission = AdmissionLimits(largest_discomfort_s, largest_violation)
+    admission = AdmissionLimits(ranked.largest_discomfort_s, ranked.largest_violation)
     study = results.load(folder)
     play = partial(play_patient, seed=patient, trust=trust)
-    _present(study, folder, reference, admission, terminal(), details, play)
+    _present(study, folder, ranked.reference, admission, terminal(), details, play)
 
 
 def _card_command(
@@ -183,13 +177,13 @@ def _present(
     new = (gain for gain in study_gains if gain.seeds > 1 or not gain.against.startswith("its "))  # beside that table
     table.show_gains(tuple(new), console)
     with alone(output):
-        labels = films.candidates(ranking, learned(study, ranking))
-        study = play(study, labels, console)
+        study = play(study, films.candidates(ranking, learned(study, ranking).lessons), console)
+        learning = learned(study, ranking)
         console.print("drawing the report")
-        written = page.write(study, ranking, output / "report.html")
+        written = page.write(study, ranking, learning, output / "report.html")
         if study_gains:
             table.write_gains(study_gains, output / "gains.md")
-    table.show_verdict(ranking, learned(study, ranking), console)
+    table.show_verdict(ranking, learning.lessons, console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",
         soft_wrap=True,

@@ -9,27 +9,23 @@ import typer
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world()
+@options.takes_together
 def _dataset_command(
     world: dict[str, Any],
     entries: Annotated[
         list[str] | None,
         typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=options.ENTRIES + " Five by default."),
     ] = None,
-    patients: options.Patients = 64,
-    seed: options.Seed = REPORTS[0].start,
     file_format: Annotated[
         str, typer.Option("--format", help="arrow, or hdf5, which needs h5py.", metavar="NAME")
     ] = "arrow",
-    output: options.Output = Path("runs/dataset"),
+    played: options.Played = options.Played(Path("runs/dataset")),
     croissant: Annotated[
         bool, typer.Option("--croissant", help="Describe each for machines too: croissant.json, core and RAI.")
     ] = False,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Replace data sets that the folder already holds.")] = False,
-    trust: options.Trust = False,
 ) -> None:
     """Write episodes as data sets of Minari, one for each entry (docs/benchmark.md#reference-episodes).
 
@@ -42,9 +38,9 @@ def _dataset_command(
 
     if file_format not in FORMATS:
         raise InputError(f"format is {shown(file_format)}; allowed: {', '.join(FORMATS)}")
-    settings = Settings.of(patients, seed, **world)
-    console = terminal()
+    settings = Settings.of(played.patients, played.seed, **world)
+    console, output = terminal(), played.output
     asked, form = entries or list(REFERENCES), Form(file_format, croissant)
-    names = write_all(asked, settings, output, form, typed(), console, fresh=fresh, trust=trust)
+    names = write_all(asked, settings, output, form, typed(), console, fresh=played.fresh, trust=played.trust)
     for name in names:
         console.print(f"{output / name}", soft_wrap=True)

@@ -9,24 +9,20 @@ import typer
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from jawenv.base.seeds import REPORTS
 
 
 @options.takes_world()
+@options.takes_together
 def _information_command(
     world: dict[str, Any],
     entries: Annotated[
         list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)
     ] = None,
-    patients: options.Patients = 100,
-    seed: options.Seed = REPORTS[0].start,
     contrasts: Annotated[
         int, typer.Option(help="Of each record, each a likelihood; 0 leaves the bound of the belief.", metavar="N")
     ] = 64,
-    output: options.Output = Path("runs/information"),
-    fresh: options.Fresh = False,
+    played: options.Played = options.Played(Path("runs/information"), 100),
     workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
-    trust: options.Trust = False,
 ) -> None:
     """Bound the expected information gain of designs and policies, in nats with standard errors (docs/inference.md).
 
@@ -42,9 +38,10 @@ def _information_command(
     from eval.kept.tables import made_with, write_table
     from jawenv.base.files import write_text
 
-    settings, console = Settings.of(patients, seed, **{"episode_s": 10.0} | world), terminal()
-    cells = information.cells_of(list(dict.fromkeys(entries or [])), settings, contrasts, trust=trust)
-    rows = play_cells(cells, output, Run(fresh, workers, console=console), "records")
+    output, console = played.output, terminal()
+    settings = Settings.of(played.patients, played.seed, **{"episode_s": 10.0} | world)
+    cells = information.cells_of(list(dict.fromkeys(entries or [])), settings, contrasts, trust=played.trust)
+    rows = play_cells(cells, output, Run(played.fresh, workers, console=console), "records")
     metadata = made_with(typed(), settings=settings.to_mapping(), contrasts=contrasts)
     summary = information.summarise(rows)
     table = information.table(summary)

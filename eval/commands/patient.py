@@ -82,17 +82,14 @@ def _patient_command(
 
 
 @options.takes_world()
+@options.takes_together
 def _diagnose_command(
     world: dict[str, Any],
     entries: Annotated[
         list[str] | None,
         typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help="Names, maneuver files or training runs."),
     ] = None,
-    patients: options.Patients = 200,
-    seed: options.Seed = REPORTS[0].start,
-    output: options.Output = Path("runs/diagnose"),
-    fresh: options.Fresh = False,
-    trust: options.Trust = False,
+    played: options.Played = options.Played(Path("runs/diagnose"), 200),
 ) -> None:
     """Say how often the verdicts of one treatment are right, over a cohort: sensitivity, specificity, and both errors.
 
@@ -104,18 +101,18 @@ def _diagnose_command(
     from eval.kept.tables import write_table
     from eval.patient import accuracy
 
-    specs = entries or []
+    specs, output = entries or [], played.output
     if not specs:
         raise InputError("entries is none; allowed: a maneuver or a training run, or several")
-    settings = Settings.of(patients, seed, **{"env": env_of_runs(specs), "cohort": "one_sided"} | world)
-    loaded, console = load_entries(specs, settings.world, trust=trust), terminal()
-    study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
+    settings = Settings.of(played.patients, played.seed, **{"env": env_of_runs(specs), "cohort": "one_sided"} | world)
+    loaded, console = load_entries(specs, settings.world, trust=played.trust), terminal()
+    study = compare(loaded, settings, output, command=typed(), fresh=played.fresh, console=console)
     table = accuracy.accuracy(study)
     write_table(table, output / "diagnosis.parquet", study.about)
     asked = settings.world
     lead = (
-        f"`{typed()}`: {patients} patients of the cohort {words.label(asked.build_cohort().name)}, seeds {seed} to "
-        f"{seed + patients - 1}, {asked.episode_s:g} s, {asked.control} control."
+        f"`{typed()}`: {played.patients} patients of the cohort {words.label(asked.build_cohort().name)}, "
+        f"seeds {played.seed} to {played.seed + played.patients - 1}, {asked.episode_s:g} s, {asked.control} control."
     )
     write_text(output / "diagnosis.md", accuracy.markdown(table, lead))
     accuracy.show(table, console)

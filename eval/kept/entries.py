@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Self
 
 from agents import registry
 from agents.planners import PLANNERS
-from agents.planning import Planner
 from agents.registry import world_of
 from jawenv.base.errors import InputError, shown
 from jawenv.base.seeds import REPORTS
@@ -185,7 +184,7 @@ def load_entry(
     trained = world_of(spec)
     world, notes = (asked, []) if trained is None else _of_a_run(spec, trained, asked)
     agent = load(spec, control=world.control, control_hz=world.control_hz, env_id=world.env_id, trust=trust)
-    maneuver = getattr(agent, "maneuver", None)
+    maneuver, clairvoyant = (getattr(agent, name, None) for name in ("maneuver", "clairvoyant"))
     return Entry(
         label=agent.name,
         spec=spec,
@@ -194,8 +193,8 @@ def load_entry(
         trained=trained is not None or getattr(agent, "is_trained", False) is True,
         description=getattr(maneuver or agent, "description", ""),
         agent=agent,
-        planned=isinstance(agent, Planner),
-        clairvoyant=isinstance(agent, Planner) and agent.clairvoyant,
+        planned=clairvoyant is not None,  # planners alone say whether they are
+        clairvoyant=clairvoyant is True,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -58,15 +58,36 @@ def filmed(study: Results, ranking: Ranking, asked_rows: Sequence[RankingRow]) -
     return [row for row in rows if row.entry in shown]
 
 
-def films(study: Results, rows: Sequence[RankingRow]) -> dict[str, str]:
-    """An mp4 in base64 of every row, by its label; progress is shown on the error stream."""
-    if not rows:
+def shown(study: Results, ranking: Ranking, asked_rows: Sequence[RankingRow]) -> dict[str, Any]:
+    """The films, whose motion they show, and how, for the page.
+
+    Args:
+        study: a comparison with motions.
+        ranking: of the same study.
+        asked_rows: entries that are filmed if their motion is kept.
+    """
+    rows, first_seed = filmed(study, ranking, asked_rows), study.about["settings"]["seed"]
+    seed = study.about.get("played_seed", first_seed)
+    return {
+        "films": _films({row.entry: study.motions[row.entry] for row in rows}, ranking.env),
+        "filmed": rows,
+        "beside": [("The best: " if row is ranking.best else "", row) for row in beside(study, ranking)],
+        "longest_s": LONGEST_S,
+        "speed": SPEED,
+        "knowledge": f"linear-gradient(to right, {', '.join(f'rgb{colour}' for colour in palette.KNOWLEDGE)})",
+        "played": f"the {'first ' if seed == first_seed else ''}patient (seed {seed})",
+    }
+
+
+def _films(motions: Mapping[str, Any], env: str) -> dict[str, str]:
+    """An mp4 in base64 of every motion, by the entry's label; progress is shown on the error stream."""
+    if not motions:
         return {}
-    model, made = model_of_env(study.env), {}
-    with Progress(len(rows), "films", Console(stderr=True)) as progress:
-        progress.say(f"filming {len(rows)} entries")
-        for row in rows:
-            made[row.entry] = _film(study.motions[row.entry], model)
+    model, made = model_of_env(env), {}
+    with Progress(len(motions), "films", Console(stderr=True)) as progress:
+        progress.say(f"filming {len(motions)} entries")
+        for entry, motion in motions.items():
+            made[entry] = _film(motion, model)
             progress.advance_to(len(made))
     return made
 
@@ -133,8 +154,3 @@ def scenes(motion: dict[str, Any], model: Model) -> Iterator[Scene]:
             information_nats=0.0,
             title="",
         )
-
-
-def colours() -> str:
-    """The scale of knowledge from unknown to known, as a gradient of CSS."""
-    return f"linear-gradient(to right, {', '.join(f'rgb{colour}' for colour in palette.KNOWLEDGE)})"

@@ -1,40 +1,17 @@
-"""The first screen of the report: the answer, whether it can be believed, and three bars per entry."""
+"""The answer of a study in a sentence, whether it can be believed, and the entries that are named first."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from eval.comparison.admission import LARGEST_RINGING
-from eval.comparison.ranking import KNOWN, SOON, Ranking, RankingRow
-from eval.comparison.results import Results
+from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.figures import words
 from eval.figures.catalogue import reaches, time_to
-from jawenv.ladder import KNOWN_WITHIN_SDS
-from jawenv.playing.rollout import DEFAULT_ENV
 
 N_BEST = 5
 NEARLY_KNOWN = 0.1
 """The coarser of the two targets of the worst sd that the answer names."""
-LEAST_SURE = 0.1
-"""Worst sd at the end at which the bar of sureness is empty."""
-
-
-@dataclass(frozen=True)
-class Bar:
-    """A figure and how good it is."""
-
-    text: str  # the figure with its unit
-    full: float  # 0, as bad as the scale goes, to 1, the best possible
-
-
-@dataclass(frozen=True)
-class Bars:
-    """An entry in three bars, see `bars`."""
-
-    soon: Bar
-    sure: Bar
-    comfortable: Bar
 
 
 def firsts(ranking: Ranking) -> tuple[RankingRow, ...]:
@@ -75,18 +52,6 @@ def _answer(ranking: Ranking) -> str:
     return f"{which} is {words.label(best.entry)}: {half}, {ranking.sought} are {times}."
 
 
-def assumption(study: Results) -> str:
-    """Assumptions of the answer on anatomy and disturbance, in a sentence or two."""
-    settings = study.about.get("settings", {})
-    imaged = study.env == KNOWN_WITHIN_SDS
-    how = "only roughly, as a scan shows it" if imaged or settings.get("knowledge") else "exactly"
-    lasts = imaged or settings.get("device", {}).get("unmodelled_time_s", 0.0) > 0.0
-    lasting = "that last" if lasts else "that do not last"
-    sentence = f"This holds for a jaw whose anatomy is known {how}, with small disturbances {lasting}."
-    less = " Where a scan alone shows the anatomy, all is known several times less precisely."
-    return sentence + (less if how == "exactly" and study.env == DEFAULT_ENV else "")
-
-
 def _reached(row: RankingRow, target: float) -> str:
     """`within 5 % after 9.3 s`, as the median over the patients."""
     to = f"within {100.0 * target:g} %"
@@ -106,28 +71,3 @@ def belief(ranking: Ranking) -> tuple[bool, str]:
         f"in {rings} % of the episodes, allowed are {words.percent(LARGEST_RINGING, 0)} %."
     )
     return ranking.believes(row), because
-
-
-def bars(ranking: Ranking, row: RankingRow, episode_s: float) -> Bars:
-    """Bars of speed, sureness and comfort; a fuller one is better.
-
-    Args:
-        ranking: of the study.
-        row: of the entry.
-        episode_s: length of the episodes, in which the first bar is empty where nothing becomes known.
-    """
-    seconds, worst, cost, violated = (row[name].value for name in (SOON, "worst_sd", "discomfort_rate", "violated"))
-    over, most = violated > ranking.admission.violation, ranking.admission.discomfort_s
-    spared = 1.0 - cost / most if most else float(not cost)
-    spent = f"{words.number(cost, 2)} s"
-    if violated:
-        spent += f", hard limit in {words.percent(violated, 0)} %"
-    return Bars(
-        Bar(f"{words.number(seconds)}{' s' if math.isfinite(seconds) else ''}", _within(1.0 - seconds / episode_s)),
-        Bar(f"{words.percent(worst)} %", 0.0 if row.false_sd else _within(1.0 - worst / LEAST_SURE)),
-        Bar(spent, 0.0 if over else _within(spared)),
-    )
-
-
-def _within(share: float) -> float:
-    return min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0

@@ -1,25 +1,27 @@
-"""Effect of a training: a trained correction beside the maneuver that it corrects, and its learning curves."""
+"""Effect of a training: a trained correction beside the maneuver that it corrects, and the evaluations of its run."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from agents.evaluations import CURVES, read_evaluations
 from eval.comparison.ranking import KNOWN, SOON, Ranking, RankingRow
 from eval.comparison.results import Results
 from eval.comparison.trainings import difference
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
-from eval.report import marks
 from eval.rows.outcomes import EARLY_S
 from jawenv.base.errors import InputError
 from jawenv.controls import takes_targets
 from jawenv.playing.policies.card import card_of
+
+if TYPE_CHECKING:
+    from agents.evaluations import Table
 
 _MIDDLE = (5, 95)
 
@@ -61,8 +63,17 @@ class Learned:
         return when, Interval(*(math.exp(end) for end in (log.value, log.low, log.high)))
 
 
-def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
-    """Every trained entry with its run still in place that corrects a maneuver of the same study."""
+@dataclass(frozen=True)
+class Learning:
+    """Findings of trainings, as far as their runs are still in place."""
+
+    lessons: tuple[Learned, ...]  # of each that corrects a maneuver of the same study
+    evaluations: Mapping[int, Table]  # by the number of the row
+    notes: list[str]  # on runs that cannot be read
+
+
+def learned(study: Results, ranking: Ranking) -> Learning:
+    """Read the runs of the trained entries, and hold these against the maneuvers that they correct."""
     rows = {row.entry: row for row in ranking.rows}
     lessons = []
     for played in study.about.get("entries", []):
@@ -80,11 +91,13 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
                 _changes(study.motions.get(base.entry), study.motions.get(entry.entry), study.about),
             )
         )
-    return tuple(lessons)
+    return Learning(tuple(lessons), *_evaluations(study, ranking))
 
 
 def _corrected(folder: Path) -> tuple[str, int] | None:
     """The maneuver that a run's policy corrects, and the run's steps so far."""
+    from agents.evaluations import read_evaluations
+
     try:
         card, table = card_of(folder), read_evaluations(folder)
     except InputError:
@@ -110,59 +123,15 @@ def _changes(
     )
 
 
-def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, marks.Chart], list[str]]:
-    """A chart of each of ``agents.evaluations.CURVES`` over steps, and notes on unreadable runs."""
-    trained = [entry for entry in study.about.get("entries", []) if entry.get("trained")]
-    if not trained:
-        return {}, []
-    tables, notes = _tables({entry["label"]: entry["spec"] for entry in trained}, ranking)
-    looks = marks.entries(ranking)
-    drawn = {}
-    for column, label, factor in CURVES if tables else ():
-        traces = []
-        for i, table in tables.items():
-            rows = [row for row in table if column in row]
-            traces.append(
-                {
-                    "x": [row["steps"] for row in rows],
-                    "y": [factor * row[column] for row in rows],
-                    "mode": "lines+markers",
-                    "name": looks[i]["name"],
-                    "meta": i,
-                    "line": {"color": looks[i]["colour"], "dash": looks[i]["dash"], "width": 2},
-                    "error_y": _errors(rows, column, factor, looks[i]["colour"]),
-                    "hovertemplate": f"{looks[i]['name']}<br>%{{y:.3g}} after %{{x:,}} steps<extra></extra>",
-                }
-            )
-        layout = {
-            "xaxis": {"title": "environment steps"},
-            "yaxis": {"title": label, "rangemode": "tozero"},
-            "height": 300,
-            "hovermode": "closest",
-        }
-        drawn[f"learning_{column}"] = {"data": traces, "layout": layout, "labels": True}
-    return drawn, notes
+def _evaluations(study: Results, ranking: Ranking) -> tuple[dict[int, Table], list[str]]:
+    """Evaluations by the number of the row, and notes on runs that cannot be read."""
+    specs = {entry["label"]: entry["spec"] for entry in study.about.get("entries", []) if entry.get("trained")}
+    by_row: dict[int, Table] = {}
+    notes: list[str] = []
+    if not specs:
+        return by_row, notes
+    from agents.evaluations import read_evaluations
 
-
-def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: str) -> dict[str, Any]:
-    """Bars of the interval of each evaluation, where the run kept it."""
-    low, high = f"{column}_low", f"{column}_high"
-    if not all({low, high} <= set(row) for row in rows):
-        return {"visible": False}
-    return {
-        "type": "data",
-        "symmetric": False,
-        "array": [factor * (row[high] - row[column]) for row in rows],
-        "arrayminus": [factor * (row[column] - row[low]) for row in rows],
-        "color": colour,
-        "thickness": 1,
-        "width": 3,
-    }
-
-
-def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
-    """Evaluations by the number of the row, of runs still in place."""
-    by_row, notes = {}, []
     for i, row in enumerate(ranking.rows):
         if row.entry not in specs or not Path(specs[row.entry]).is_dir():
             continue

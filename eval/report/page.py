@@ -8,93 +8,121 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
 
 from eval.comparison.admission import LARGEST_RINGING
-from eval.comparison.ranking import Ranking, RankingRow
+from eval.comparison.ranking import SOON, Ranking, RankingRow
 from eval.comparison.results import Results
 from eval.comparison.trainings import adaptations, verdict
 from eval.figures import words
 from eval.figures.statistics import RESAMPLES
-from eval.report import charts, films, first, marks, template
-from eval.report.learned import learned, learning_charts
+from eval.report import charts, films, first, template
+from eval.report.charts import Chart
 from eval.rows.outcomes import EARLY_S
 from jawenv.anatomy.muscles import SIDES
+from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.metrics import CONFIDENCE, TARGETS
+from jawenv.playing.rollout import DEFAULT_ENV
+
+if TYPE_CHECKING:
+    from eval.report.learned import Learning
 
 ASSETS = Path(__file__).parent / "assets"
-
-
-def write(study: Results, ranking: Ranking, path: Path) -> Path:
-    """Write the report.
-
-    Args:
-        study: results of all entries.
-        ranking: of the same study.
-        path: of the HTML file.
-
-    Returns:
-        The path.
-    """
-    return template.write(render(study, ranking), path)
+LEAST_SURE = 0.1
+"""Worst sd at the end at which the bar of sureness is empty."""
 
 
 CONSTANTS: Mapping[str, Any] = {
     "confidence": CONFIDENCE,
     "early_s": EARLY_S,
     "largest_ringing": LARGEST_RINGING,
-    "least_sure": first.LEAST_SURE,
+    "least_sure": LEAST_SURE,
     "resamples": RESAMPLES,
     "targets": TARGETS,
     "terms": template.TERMS,
 }
 
 
-def render(study: Results, ranking: Ranking) -> str:
+@dataclass(frozen=True)
+class Bar:
+    """A figure and how good it is."""
+
+    text: str  # the figure with its unit
+    full: float  # 0, as bad as the scale goes, to 1, the best possible
+
+
+@dataclass(frozen=True)
+class Bars:
+    """An entry in three bars, see `bars`."""
+
+    soon: Bar
+    sure: Bar
+    comfortable: Bar
+
+
+def write(study: Results, ranking: Ranking, learning: Learning, path: Path) -> Path:
+    """Write the report, and return its path; see `render`."""
+    page = render(study, ranking, learning)
+    return template.write(page, path)
+
+
+def render(study: Results, ranking: Ranking, learning: Learning) -> str:
     """The report as HTML text.
 
     Args:
         study: results of all entries.
         ranking: of the same study.
+        learning: what its trained entries have learned.
     """
-    lessons = learned(study, ranking)
-    filmed = films.filmed(study, ranking, [row for lesson in lessons for row in (lesson.base, lesson.entry)])
-    entries, (learning, notes) = marks.entries(ranking), learning_charts(study, ranking)
+    shown = films.shown(study, ranking, [row for lesson in learning.lessons for row in (lesson.base, lesson.entry)])
+    looks, curves = charts.entries(ranking), _learning_curves(ranking, learning)
     titles = [words.parameter(name) for name in ranking.parameters]
     data: dict[str, Any] = {
-        "entries": entries,
-        "charts": charts.all_charts(study, ranking) | learning,
+        "entries": looks,
+        "charts": charts.all_charts(study, ranking) | curves,
         "parameters": [{"key": key, "title": title} for key, title in zip(ranking.parameters, titles, strict=True)],
         "curves": charts.curves(study, ranking),
         "sd_range": charts.sd_range(study),
-        "films": films.films(study, filmed),
-        "speed": films.SPEED,
-        "motions": {row.entry: charts.motion(study.motions[row.entry]) for row in filmed},
+        "films": shown.pop("films"),
+        "speed": shown["speed"],
+        "motions": {row.entry: charts.motion(study.motions[row.entry]) for row in shown["filmed"]},
     }
+    answer, comfort = _answer(study, ranking), {"limits": _limits(study), "use": _use_of_limits(study, ranking)}
+    diagnoses = {row.entry: study.diagnoses(row.entry) for row in ranking.rows}
     return template.render(
         "report.html.j2",
         about=study.about,
+        answer=answer,
+        comfort=comfort,
+        diagnoses=diagnoses,
+        adaptations=adaptations(study),
         ranking=ranking,
         constants=CONSTANTS,
         model=_model(ranking, titles),
-        answer=_answer(study, ranking),
-        films=_films(study, ranking, filmed),
-        comfort={"limits": _limits(study), "use": _use_of_limits(study, ranking)},
-        adaptations=adaptations(study),
+        films=shown,
         verdict=verdict,
-        diagnoses={row.entry: study.diagnoses(row.entry) for row in ranking.rows},
         learning={
-            "lessons": lessons,
-            "charts": list(learning),
-            "entries": _entries_in(learning, entries),
-            "notes": notes,
+            "lessons": learning.lessons,
+            "charts": list(curves),
+            "entries": _entries_in(curves, looks),
+            "notes": learning.notes,
         },
         embedded=_embedded(data),
     )
+
+
+def _learning_curves(ranking: Ranking, learning: Learning) -> dict[str, Chart]:
+    """The charts of trainings; none where nothing was trained."""
+    if not learning.evaluations:
+        return {}
+    from eval.report.learning import learning_charts
+
+    return learning_charts(ranking, learning.evaluations)
 
 
 def _model(ranking: Ranking, titles: list[str]) -> dict[str, Any]:
@@ -113,30 +141,53 @@ def _answer(study: Results, ranking: Ranking) -> dict[str, Any]:
     believed, because = first.belief(ranking)
     return {
         "sentence": first.answer(ranking),
-        "assumption": first.assumption(study),
+        "assumption": _assumption(study),
         "believed": believed,
         "because": because,
-        "bars": [(row, first.bars(ranking, row, longest_s)) for row in first.firsts(ranking)],
-        "bars_of_rest": [(row, first.bars(ranking, row, longest_s)) for row in rest],
+        "bars": [(row, _bars(ranking, row, longest_s)) for row in first.firsts(ranking)],
+        "bars_of_rest": [(row, _bars(ranking, row, longest_s)) for row in rest],
         "rest": rest,
     }
 
 
-def _films(study: Results, ranking: Ranking, filmed: list[RankingRow]) -> dict[str, Any]:
-    """The films, and whose motion they show."""
-    first_seed = study.about["settings"]["seed"]
-    seed = study.about.get("played_seed", first_seed)
-    return {
-        "filmed": filmed,
-        "beside": [("The best: " if row is ranking.best else "", row) for row in films.beside(study, ranking)],
-        "longest_s": films.LONGEST_S,
-        "speed": films.SPEED,
-        "knowledge": films.colours(),
-        "played": f"the {'first ' if seed == first_seed else ''}patient (seed {seed})",
-    }
+def _assumption(study: Results) -> str:
+    """Assumptions of the answer on anatomy and disturbance, in a sentence or two."""
+    settings = study.about.get("settings", {})
+    imaged = study.env == KNOWN_WITHIN_SDS
+    how = "only roughly, as a scan shows it" if imaged or settings.get("knowledge") else "exactly"
+    lasts = imaged or settings.get("device", {}).get("unmodelled_time_s", 0.0) > 0.0
+    lasting = "that last" if lasts else "that do not last"
+    sentence = f"This holds for a jaw whose anatomy is known {how}, with small disturbances {lasting}."
+    less = " Where a scan alone shows the anatomy, all is known several times less precisely."
+    return sentence + (less if how == "exactly" and study.env == DEFAULT_ENV else "")
 
 
-def _entries_in(traced: dict[str, marks.Chart], entries: list[dict[str, Any]]) -> list[str]:
+def _bars(ranking: Ranking, row: RankingRow, episode_s: float) -> Bars:
+    """Bars of speed, sureness and comfort; a fuller one is better.
+
+    Args:
+        ranking: of the study.
+        row: of the entry.
+        episode_s: length of the episodes, in which the first bar is empty where nothing becomes known.
+    """
+    seconds, worst, cost, violated = (row[name].value for name in (SOON, "worst_sd", "discomfort_rate", "violated"))
+    over, most = violated > ranking.admission.violation, ranking.admission.discomfort_s
+    spared = 1.0 - cost / most if most else float(not cost)
+    spent = f"{words.number(cost, 2)} s"
+    if violated:
+        spent += f", hard limit in {words.percent(violated, 0)} %"
+    return Bars(
+        Bar(f"{words.number(seconds)}{' s' if math.isfinite(seconds) else ''}", _within(1.0 - seconds / episode_s)),
+        Bar(f"{words.percent(worst)} %", 0.0 if row.false_sd else _within(1.0 - worst / LEAST_SURE)),
+        Bar(spent, 0.0 if over else _within(spared)),
+    )
+
+
+def _within(share: float) -> float:
+    return min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
+
+
+def _entries_in(traced: dict[str, Chart], entries: list[dict[str, Any]]) -> list[str]:
     """Place and name of the entries that have a line in a chart."""
     numbers = dict.fromkeys(trace["meta"] for chart in traced.values() for trace in chart["data"])
     return [f"{entries[i]['place']} {entries[i]['name']}" for i in numbers]

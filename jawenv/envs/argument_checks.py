@@ -1,4 +1,4 @@
-"""Checks of what the environments are given: choices, numbers, flags, the rate of control, actions."""
+"""The spaces of the environments, and checks of arguments: choices, numbers, flags, the rate of control, actions."""
 
 from __future__ import annotations
 
@@ -6,14 +6,26 @@ import math
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError, not_among, shown
 from jawenv.base.numeric_fields import real_number
 from jawenv.controls import ControlMode
 from jawenv.device.device import LAW_TICKS, N_MOTORS, TICK
+from jawenv.envs.world.layout import OBSERVATION_BOUND
 
 LARGEST = 1e6  # of the numeric arguments
+
+
+def observation_space(size: int) -> Any:
+    """The flat observation of one world; ``observation_layout`` says what lies where."""
+    return spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (size,), np.float32)
+
+
+def action_space() -> Any:
+    """One number in [-1, 1] for each motor."""
+    return spaces.Box(-1.0, 1.0, (N_MOTORS,), np.float32)
 
 
 def check_choice(name: str, value: object, allowed: tuple[str, ...]) -> None:

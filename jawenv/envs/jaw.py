@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError, shown
-from jawenv.device.device import N_MOTORS
-from jawenv.envs.argument_checks import checked_action
+from jawenv.envs.argument_checks import action_space, checked_action, observation_space
 from jawenv.envs.configuration import configure, described
 from jawenv.envs.episode_seeds import checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
-from jawenv.envs.world.layout import OBSERVATION_BOUND
 
 if TYPE_CHECKING:
     from jawenv.envs.snapshots import Snapshot
@@ -27,16 +25,6 @@ Observation = NDArray[np.float32]
 Action = NDArray[np.float32]
 _ON = np.ones(1, dtype=np.bool_)
 _STATE = ("_np_random", "_np_random_seed", "_begun", "_potential", "_end")
-
-
-def observation_space(size: int) -> Any:
-    """The flat observation of one world; ``observation_layout`` says what lies where."""
-    return spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (size,), np.float32)
-
-
-def action_space() -> Any:
-    """One number in [-1, 1] for each motor."""
-    return spaces.Box(-1.0, 1.0, (N_MOTORS,), np.float32)
 
 
 class JawEnv(gym.Env[Observation, Action]):

@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Patient, Prior
 from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.argument_checks import checked_actions
+from jawenv.envs.argument_checks import action_space, checked_actions, observation_space
 from jawenv.envs.configuration import configure
 from jawenv.envs.episode_seeds import checked_seeds, episode_keys
 from jawenv.envs.info import with_masks
-from jawenv.envs.jaw import action_space, observation_space
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps, enough_memory

@@ -19,7 +19,7 @@ STUDY = 'title: a\nentries: ["{agent}"]\npatients: 1\nseed: 1\nepisode_s: 1.0\n'
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
 
 
 @pytest.mark.parametrize("command", ["compare", "calibrate", "diagnose", "patient", "play", "replay", "study"])

@@ -12,7 +12,7 @@ from jawenv.base.progress import Progress
 from jawenv.sb3 import NativeVecEnv
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig
-from training.run.evaluations import FEW, Evaluation, Evaluations, evaluate
+from training.run.evaluations import FEW, Evaluation, Evaluations, Watched, evaluate
 from training.run.folder import RunFolder
 
 
@@ -104,7 +104,7 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
         worlds(),
         worlds(),
         lambda: None,
-        progress,
+        Watched(progress),
         largest_discomfort_s=0.05,  # type: ignore[arg-type]
     )
     for steps, mean_return, discomfort, better in (
@@ -164,7 +164,7 @@ def test_the_beginning_is_played_by_few_patients_and_compared_with_on_these(tmp_
     averages = outcome.averages()
     assert averages["return_few"] == outcome.figures["return"][:FEW].mean() != averages["return"]
     progress = Progress(1, "steps", Console(quiet=True))
-    evaluations = Evaluations(RunFolder(tmp_path), None, worlds(), worlds(), lambda: None, progress)  # type: ignore[arg-type]
+    evaluations = Evaluations(RunFolder(tmp_path), None, worlds(), worlds(), lambda: None, Watched(progress))  # type: ignore[arg-type]
     for steps, mean_return, of_few, better in (
         (0, 10.0, 10.0, True),
         (1, 30.0, 9.0, False),  # others are easier

@@ -119,6 +119,15 @@ class _PolicyScore(NamedTuple):
         return f"mean return {self.value:.4g}" if self.comfortable else f"discomfort {abs(self.value):.4g} s"
 
 
+@dataclass(frozen=True)
+class Watched:
+    """Reporting of evaluations, and their interruption."""
+
+    progress: Progress  # shows the best so far
+    interrupted: Callable[[], bool] = lambda: False  # an evaluation is given up when it says True
+    report: Report | None = None  # called with steps and row of each evaluation
+
+
 class Evaluations(BaseCallback):
     """Tries the policy on the validation cohort every so many steps, and keeps the best one.
 
@@ -132,10 +141,8 @@ class Evaluations(BaseCallback):
         worlds: one world per patient, for evaluation only.
         few: the same for the first `FEW` of these patients.
         keep: writes the policy as it is now, as the run's best.
-        progress: shows the best so far.
-        interrupted: an evaluation is given up when it says True.
+        watched: progress, reports and interruption.
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
-        report: called with steps and row of each evaluation.
         sampled: whether it also plays with drawn actions, as an algorithm learns from.
 
     Attributes:
@@ -150,17 +157,15 @@ class Evaluations(BaseCallback):
         worlds: VecEnv,
         few: VecEnv,
         keep: Callable[[], None],
-        progress: Progress,
+        watched: Watched,
         *,
-        interrupted: Callable[[], bool] = lambda: False,
         largest_discomfort_s: float | None = None,
-        report: Report | None = None,
         sampled: bool = True,
     ) -> None:
         super().__init__()
         self._sampled = sampled
         self._run, self._config, self._worlds, self._few, self._keep = run, config, worlds, few, keep
-        self._progress, self._interrupted, self._report = progress, interrupted, report
+        self._progress, self._interrupted, self._report = watched.progress, watched.interrupted, watched.report
         self._limit = largest_discomfort_s
         self.best: tuple[_PolicyScore, int] | None = None
         self._first: tuple[_PolicyScore, int] | None = None

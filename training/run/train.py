@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,7 @@ from jawenv.playing.policies.residual import BaseTargets
 from training.run.algorithms import make_model, plain_policy
 from training.run.callbacks import Interrupt, Multiplier, Upkeep
 from training.run.config import EnvConfig, TrainingConfig
-from training.run.evaluations import FEW, Evaluations, Report
+from training.run.evaluations import FEW, Evaluations, Report, Watched
 from training.run.export import write_run_policy
 from training.run.folder import RunFolder, damaged, read_counts
 from training.run.pathwise import APG
@@ -228,7 +227,7 @@ class TrainingSession:
         try:
             with interrupt, Progress(total, "steps", self._console, self._from_step) as progress:
                 upkeep = Upkeep(config, run, interrupt, progress, self._multiplier)
-                evaluations = self.evaluations(progress, interrupt.wanted, report)
+                evaluations = self.evaluations(Watched(progress, interrupt.wanted, report))
                 model.learn(
                     config.steps - self._from_step,
                     CallbackList([upkeep, evaluations]),
@@ -252,12 +251,7 @@ class TrainingSession:
         self._report(evaluations, time.monotonic() - begun)
         return 0
 
-    def evaluations(
-        self,
-        progress: Progress,
-        interrupted: Callable[[], bool] = lambda: False,
-        report: Report | None = None,
-    ) -> Evaluations:
+    def evaluations(self, watched: Watched) -> Evaluations:
         """Evaluations on the validation patients, which keep the best policy in the run's folder."""
         comfort = self.config.comfort
         return Evaluations(
@@ -266,10 +260,8 @@ class TrainingSession:
             self._validation,
             self._few,
             self.keep,
-            progress,
-            interrupted=interrupted,
+            watched,
             largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
-            report=report,
             sampled=not isinstance(self.model, APG),  # it learns through the most likely actions
         )
 

@@ -10,6 +10,7 @@ from rich.console import Console
 from eval.comparison.ranking import rank
 from eval.comparison.trainings import adaptations, verdict
 from eval.report import page, table
+from eval.report.learned import learned
 from tests.eval.studies import GOOD, IDLE, TRAINED, study
 
 
@@ -49,5 +50,7 @@ def test_the_table_says_who_adapts(paired):
 
 def test_every_column_of_the_page_has_a_heading(paired, tmp_path):
     """A heading is a button that sorts: without words it has no name."""
-    written = page.write(paired, rank(paired), tmp_path / "report.html").read_text(encoding="utf-8")
+    written = page.write(paired, rank(paired), learned(paired, rank(paired)), tmp_path / "report.html").read_text(
+        encoding="utf-8"
+    )
     assert "Does it adapt?" in written and not re.search(r"<th[^>]*></th>", written)

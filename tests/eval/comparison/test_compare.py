@@ -33,7 +33,7 @@ def run(*arguments):
 def undrawn(request, monkeypatch):
     """Leave out the report, which takes seconds, where a test does not look at it."""
     if "drawn" not in request.fixturenames:
-        monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+        monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
         monkeypatch.setattr("eval.comparison.motion.play_patient", lambda study, *given, **more: study)
 
 
@@ -244,7 +244,9 @@ def test_a_trained_run_is_compared_with_a_maneuver(trained_run, tmp_path, drawn)
 def test_a_report_can_be_drawn_again_against_another_reference(tmp_path, monkeypatch, capsys):
     assert run("hold_still", "chirp", *SHORT, "--output", str(tmp_path)) == 0
     references = []
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: references.append(ranking.reference))
+    monkeypatch.setattr(
+        "eval.report.page.write", lambda study, ranking, learning, path: references.append(ranking.reference)
+    )
     for reference in ("chirp", "hold_still"):
         assert main(["report", str(tmp_path), "--reference", reference]) == 0
     assert references == ["chirp", "hold_still"]

@@ -153,7 +153,7 @@ def test_an_agent_of_ones_own_gets_the_control_of_the_study(own: Path) -> None:
 def test_they_are_compared(
     tmp_path: Path, own: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
     specs = [str(exported(tmp_path / "shared", gain=0.2)), "entry_of_mine:Mine"]
     assert main(["compare", *specs, "--patients", "2", "--episode-s", "0.5", "--output", str(tmp_path / "out")]) == 0
     told = capsys.readouterr().out

@@ -65,7 +65,7 @@ def test_it_changes_with_every_package(package: str, monkeypatch: pytest.MonkeyP
 def test_a_changed_run_is_played_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
     monkeypatch.setattr("eval.comparison.motion.play_patient", lambda study, *given, **more: study)
     run = save_run(tmp_path / "run")
     command = ["compare", str(run), "--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]

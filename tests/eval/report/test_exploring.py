@@ -5,6 +5,7 @@ import pytest
 
 from eval.commands.app import main
 from eval.comparison.ranking import rank
+from eval.report.learned import learned
 from eval.report.page import write
 from tests.browser import executable
 from tests.eval.report.browser import opened
@@ -109,7 +110,7 @@ def test_the_navigation_stays_and_hides_no_heading(both):
 def test_the_rest_of_many_entries_is_behind_a_click(tmp_path):
     executable()
     whole = many_entries()
-    with opened(write(whole, rank(whole), tmp_path / "report.html")) as page:
+    with opened(write(whole, rank(whole), learned(whole, rank(whole)), tmp_path / "report.html")) as page:
         assert page.locator("#answer .bars tbody tr:visible").count() == 6
         page.click("#answer details summary")
         assert page.locator("#answer .bars tbody tr:visible").count() == 12
@@ -134,7 +135,7 @@ def test_a_long_name_without_spaces_makes_no_page_wider(tmp_path):
         each | ({"label": name, "spec": name} if each["label"] == "my_own" else {}) for each in made.about["entries"]
     ]
     whole = type(made)(*long, made.about | {"entries": entries})
-    with opened(write(whole, rank(whole), tmp_path / "report.html"), 480) as page:
+    with opened(write(whole, rank(whole), learned(whole, rank(whole)), tmp_path / "report.html"), 480) as page:
         assert page.locator("#answer .bars").first.bounding_box()["width"] <= 452
         assert page.evaluate("document.documentElement.scrollWidth") <= 480
 

@@ -7,8 +7,8 @@ from rich.console import Console
 
 from eval.comparison.admission import AdmissionLimits
 from eval.comparison.ranking import rank
-from eval.report import first, table
-from eval.report.marks import entries
+from eval.report import first, page, table
+from eval.report.charts import entries
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, many_entries, study
 
 
@@ -59,14 +59,14 @@ def test_the_best_is_the_first_that_can_be_believed_or_nobody(made):
 
 def test_bars_are_full_at_the_best_and_empty_at_what_is_not_allowed(made):
     ranking = rank(made)
-    rows = {row.entry: first.bars(ranking, row, 20.0) for row in ranking.rows}
-    assert rows[GOOD].comfortable == first.Bar("0.00 s", 1.0)
-    assert rows[IDLE].soon == first.Bar("never", 0.0)
+    rows = {row.entry: page._bars(ranking, row, 20.0) for row in ranking.rows}
+    assert rows[GOOD].comfortable == page.Bar("0.00 s", 1.0)
+    assert rows[IDLE].soon == page.Bar("never", 0.0)
     assert rows[BOASTFUL].sure.full == 0.0, "sds that are false are not sure"
     assert rows["ppo-seed0"].comfortable.full == 0.0
     assert 0.0 < rows[GOOD].soon.full < 1.0
     strict = rank(made, admission=AdmissionLimits(discomfort_s=0.0))
-    assert first.bars(strict, strict.rows[0], 20.0).comfortable.full == 1.0
+    assert page._bars(strict, strict.rows[0], 20.0).comfortable.full == 1.0
 
 
 def test_the_terminal_shows_one_short_table_and_the_verdict():

@@ -32,7 +32,7 @@ def trained_on(base: str, folder, patients: int = 12, control: str = "targets"):
 
 def test_what_learning_did_is_the_gain_over_what_is_corrected(tmp_path):
     made = trained_on(IDLE, tmp_path)
-    (found,) = learned(made, rank(made))
+    (found,) = learned(made, rank(made)).lessons
     assert (found.entry.entry, found.base.entry, found.steps) == (TRAINED, IDLE, 9600)
     when, share = found.gain
     assert when == "after 10 s" and share.high < 1.0 and share.value == pytest.approx(np.exp(found.early.value))
@@ -43,12 +43,12 @@ def test_what_learning_did_is_the_gain_over_what_is_corrected(tmp_path):
 
 def test_commands_of_other_control_modes_are_no_targets(tmp_path):
     made = trained_on(IDLE, tmp_path, control="force")
-    (found,) = learned(made, rank(made))
+    (found,) = learned(made, rank(made)).lessons
     assert found.changes == ()
 
 
 def test_runs_that_are_gone_or_correct_nothing_of_the_study_are_left_out(tmp_path):
     made = trained_on("chirp", tmp_path)
-    assert learned(made, rank(made)) == ()
+    assert learned(made, rank(made)).lessons == ()
     (tmp_path / CARD).unlink()
-    assert learned(made, rank(made)) == ()
+    assert learned(made, rank(made)).lessons == ()

@@ -7,6 +7,7 @@ import pytest
 
 from eval.comparison.ranking import rank
 from eval.report import overview, template
+from eval.report.learned import learned
 from eval.report.page import render, write
 from tests.eval.studies import ENTRIES, GOOD, study
 
@@ -46,7 +47,7 @@ def made():
 
 @pytest.fixture(scope="module")
 def page(made):
-    return render(made, rank(made))
+    return render(made, rank(made), learned(made, rank(made)))
 
 
 def test_the_report_is_one_whole_page_without_the_network(page):
@@ -98,7 +99,7 @@ def test_charts_show_what_the_table_holds(made, page):
 def test_the_bound_is_drawn_where_it_is_one(made, page):
     settings = made.about["settings"] | {"reality": {"creep_share": 0.3}}
     misled = type(made)(made.patients, made.curves, made.about | {"settings": settings})
-    other = render(misled, rank(misled))
+    other = render(misled, rank(misled), learned(misled, rank(misled)))
     assert "bound" in data_of(page)["curves"][GOOD]["log_b/masseter_left"]
     assert "bound" not in data_of(other)["curves"][GOOD]["log_b/masseter_left"]
     assert "No bound is drawn" in other
@@ -112,13 +113,13 @@ def test_learning_curves_of_a_run_are_shown_and_a_damaged_table_is_named(made, t
     )
     entries = [each | ({"spec": str(tmp_path)} if each["trained"] else {}) for each in made.about["entries"]]
     study = type(made)(made.patients, made.curves, made.about | {"entries": entries})
-    page = render(study, rank(study))
+    page = render(study, rank(study), learned(study, rank(study)))
     (curve,) = data_of(page)["charts"]["learning_worst_sd"]["data"]
     assert (curve["x"], curve["y"]) == ([0.0, 9.0], [40.0, 20.0])
     entry = data_of(page)["entries"][curve["meta"]]
     assert f"At the end of a line stands the entry: {entry['place']} {entry['name']}. " in page
     (tmp_path / "evaluations.csv").write_text("steps,return\n0,nobody\n")
-    page = render(study, rank(study))
+    page = render(study, rank(study), learned(study, rank(study)))
     assert f"Not shown: {tmp_path / 'evaluations.csv'} is damaged" in page and "At the end of a line" not in page
     assert "learning_worst_sd" not in data_of(page)["charts"]
 
@@ -129,7 +130,7 @@ def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_p
     strange = whole.about | {"command": evil}
     rows, curves = whole.of(GOOD).assign(entry=evil), whole.curves[whole.curves["entry"] == GOOD].assign(entry=evil)
     one = type(whole)(rows, curves, strange)
-    path = write(one, rank(one), tmp_path / "new" / "report.html")
+    path = write(one, rank(one), learned(one, rank(one)), tmp_path / "new" / "report.html")
     text = path.read_text()
     assert "<script>alert" not in text
     assert text.rstrip().endswith("</html>")
@@ -154,7 +155,7 @@ def test_the_figure_is_valid_svg_in_the_colours_of_the_page(made):
 )
 def test_the_report_follows_the_parameters_of_the_environment(env, number, muscle):
     made = study(patients=5, env=env)
-    page = render(made, rank(made))
+    page = render(made, rank(made), learned(made, rank(made)))
     assert f"<title>{env}: " in page
     for words in (f"worst of the {number} sd", f"calibrated: {number}<", f"known<br>of {number}<"):
         assert words in page
