@@ -5,8 +5,6 @@ Adam (Kingma & Ba 2015, arXiv:1412.6980) moves knots of the targets: single deci
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import torch
 from torch import Tensor
@@ -24,15 +22,13 @@ _LEARNING_RATE = 0.03  # of Adam, in parts of ``_SCALE``
 _PRICE = 8.0  # nats that a second of the twin's discomfort is worth
 
 
-class Known(NamedTuple):
-    """What N earlier recordings say of the parameters."""
-
-    mean: Array  # (N, 12)
-    precision: Array  # (N, 12, 12), with the prior's
-
-
 def searched(
-    twin: Twin, patients: Patients, base: Array, updates: int, asked: Tensor | None = None, known: Known | None = None
+    twin: Twin,
+    patients: Patients,
+    base: Array,
+    updates: int,
+    asked: Tensor | None = None,
+    known: tuple[Array, Array] | None = None,
 ) -> Array:
     """Targets (N, T, 4) with the smallest error bars and discomfort, one row for each group of patients.
 
@@ -42,7 +38,7 @@ def searched(
         base: (N, T, 4) targets that the search begins with.
         updates: steps of Adam.
         asked: muscles of each patient, as ``Worlds`` takes them.
-        known: where the groups' beliefs begin; at the prior by default.
+        known: (N, 12) means and (N, 12, 12) precisions that the groups' beliefs begin with; the prior's by default.
     """
     start, together = torch.tensor(np.asarray(base)), len(patients) // len(base)
     times = twin.decision_s * np.arange(1, start.shape[1] + 1)

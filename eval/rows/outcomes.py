@@ -28,7 +28,7 @@ from jawenv.metrics import (
     worst_sd,
 )
 from jawenv.metrics.precision import for_good
-from jawenv.metrics.verdicts import standing
+from jawenv.metrics.standing import standing
 from jawenv.playing.recording import Recording
 
 Array = npt.NDArray[np.float64]
@@ -85,7 +85,7 @@ def outcomes_of(recording: Recording, seed: int) -> pd.DataFrame:
     columns |= _early(recording)
     columns |= _use_of_limits(recording)
     columns |= {f"time_to_{target:g}_s": seconds for target, seconds in judged.time_to_s.items()}
-    columns |= {"verdicts_s": verdicts_stand_s(recording)}
+    columns |= {"verdicts_s": _verdicts_s(recording)}
     columns |= {f"inside_{sigmas}_sigma": share for sigmas, share in judged.inside.items()}
     kinds = {"truth": recording.truth, "error": judged.error, "sd": judged.sd, "bound_sd": judged.bound_sd}
     for kind, values in kinds.items():
@@ -94,7 +94,7 @@ def outcomes_of(recording: Recording, seed: int) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def verdicts_stand_s(recording: Recording) -> Array:
+def _verdicts_s(recording: Recording) -> Array:
     """First time (N,), s, from which on the data have a verdict on every muscle; NaN unless lines are whole muscles."""
     if whole_muscles_per_line(recording.parameter_names) != 1.0:
         return np.full(recording.num_worlds, np.nan)

@@ -19,7 +19,7 @@ OPENS_WITH = {"cohort": "one_sided"}  # the first level of the game
 
 @app.command("live")
 @options.takes_world(defaults=OPENS_WITH)
-def live_command(
+def _live_command(
     world: dict[str, Any],
     recording: Annotated[
         Path | None, typer.Argument(metavar="[RECORDING]", help="Play this .csv or .parquet in place of a drive.")
@@ -51,7 +51,7 @@ def live_command(
 
 @app.command("play")
 @options.takes_world()
-def play_command(maneuver: options.Maneuver, world: dict[str, Any], seed: options.Seed = REPORTS[0].start) -> None:
+def _play_command(maneuver: options.Maneuver, world: dict[str, Any], seed: options.Seed = REPORTS[0].start) -> None:
     """Show one episode of a maneuver or a policy in a window, and say what was reached."""
     from jawenv.commands.maneuvers import play, world_for
 

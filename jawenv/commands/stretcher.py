@@ -14,7 +14,8 @@ from jawenv.anatomy import MUSCLE_NAMES, cohort
 from jawenv.base.errors import InputError
 from jawenv.base.files import check_kept, write_text
 from jawenv.base.versions import package_versions
-from jawenv.metrics.verdicts import MEASURED, NOT_MEASURED
+from jawenv.metrics.diagnosis import MEASURED
+from jawenv.metrics.verdicts import NOT_MEASURED
 from jawenv.recordings.defaults import ANYONE
 from jawenv.recordings.stretcher.identified import Stretched, pulls, stretched
 from jawenv.recordings.stretcher.log import log_of_table

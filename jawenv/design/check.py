@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from jawenv.base.errors import InputError
-from jawenv.design.interface import Array, Readings
+from jawenv.design.interface import Readings
+from jawenv.inference.settings import Array
 
 _DRAWS, _TRIALS = 16, 4
 _SYMMETRIC = 1e-6

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol, TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array: TypeAlias = NDArray[np.float64]
+from jawenv.inference.settings import Array
+
 Readings: TypeAlias = Mapping[str, Any]
-"""What an experiment reads: arrays by name, and whatever else its likelihood needs."""
+"""Readings of an experiment: arrays by name, and whatever else its likelihood needs."""
 
 
 class Law(Protocol):
@@ -24,7 +24,7 @@ class Law(Protocol):
 
 
 class DesignEnv(Protocol):
-    """What a design environment has beside ``reset``, ``step`` and spaces of ``gymnasium.Env``.
+    """Parts of a design environment beside ``reset``, ``step`` and spaces of ``gymnasium.Env``.
 
     The ``info`` of ``reset`` and ``step`` has ``belief_mean`` (p,), ``belief_cov`` (p, p), ``truth`` (p,) and ``cost``,
     0 or more a second.
@@ -36,7 +36,7 @@ class DesignEnv(Protocol):
     """Of the truth that ``reset`` draws."""
 
     def simulate(self, theta: ArrayLike, actions: ArrayLike, seed: int) -> Readings:
-        """What an experiment with parameters (p,) reads under K actions; leaves the episode as it is."""
+        """Simulate an experiment with parameters (p,) under K actions; leaves the episode as it is."""
 
     def log_likelihood(self, readings: Readings, theta: ArrayLike) -> Array | None:
         """(m,) nats of readings given parameters (m, p), up to a constant; None where there is no likelihood."""

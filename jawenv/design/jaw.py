@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jawenv.base.errors import InputError
-from jawenv.design.interface import Array, Readings
+from jawenv.design.interface import Readings
 from jawenv.envs.jaw import JawEnv
 from jawenv.inference.likelihood import log_likelihood
 from jawenv.inference.patient_law import PatientLaw
+from jawenv.inference.settings import Array
 from jawenv.inference.simulations import simulate
 
 _DRAWS = 1000

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from jawenv.metrics import FIBROSED_F_O_N, whole_muscles_per_line
-from jawenv.metrics.verdicts import MEASURED, NOT_MEASURED
+from jawenv.metrics.diagnosis import MEASURED
+from jawenv.metrics.verdicts import NOT_MEASURED
 from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
 

@@ -25,6 +25,8 @@ Mask = npt.NDArray[np.bool_]
 FIBROSED_F_O_N = 1.7
 BLOCKED_B = 14.0
 CONFIDENCE = 0.95
+MEASURED = 0.5
+"""Share of the prior's error bar up to which the data speak."""
 
 
 @dataclass(frozen=True)

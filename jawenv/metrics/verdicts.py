@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, owens_t
+from scipy.special import ndtr
 from scipy.stats import multivariate_normal
 
-from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, MEASURED
 
 Array = NDArray[np.float64]
 
@@ -22,11 +22,6 @@ NO_VERDICT = "no verdict"
 FINDINGS = (STIFF, BLOCKED, BOTH, NORMAL)
 OPEN = (UNKNOWN, NOT_MEASURED)
 WORDS = (NORMAL, STIFF, BLOCKED, BOTH, *OPEN)
-MEASURED = 0.5
-"""Share of the prior's error bar up to which the data speak."""
-
-
-_SMALL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -102,34 +97,6 @@ def verdicts(mean: Array, cov: Array, prior_sd: Array | None = None) -> list[Ver
     """
     pairs = (slice(2 * i, 2 * i + 2) for i in range(len(mean) // 2))
     return [verdict(mean[pair], cov[pair, pair], None if prior_sd is None else prior_sd[pair]) for pair in pairs]
-
-
-def standing(mean: Array, cov: Array, prior_sd: Array) -> NDArray[np.bool_]:
-    """Mask (..., M) of the muscles on which the data have a verdict: as of ``verdict``, of many beliefs at once.
-
-    Args:
-        mean: (..., 2 M) log F_o and log b of each.
-        cov: (..., 2 M, 2 M).
-        prior_sd: (2 M,).
-    """
-    sd = np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1))
-    above = (mean - np.tile(np.log([FIBROSED_F_O_N, BLOCKED_B]), sd.shape[-1] // 2)) / sd
-    measured = sd <= MEASURED * prior_sd
-    raised = (ndtr(above) >= CONFIDENCE) & measured
-    correlation = np.diagonal(cov, offset=1, axis1=-2, axis2=-1)[..., ::2] / (sd[..., ::2] * sd[..., 1::2])
-    neither = _both_below(-above[..., ::2], -above[..., 1::2], correlation)
-    normal = (neither >= CONFIDENCE) & measured[..., ::2] & measured[..., 1::2]
-    stands: NDArray[np.bool_] = raised[..., ::2] | raised[..., 1::2] | normal
-    return stands
-
-
-def _both_below(h: Array, k: Array, correlation: Array) -> Array:
-    """P(x < h, y < k) of standard normals with a correlation, by Owen's T (Owen 1956, Ann. Math. Stat. 27:1075)."""
-    h, k = (np.where(np.abs(value) < _SMALL, _SMALL, value) for value in (h, k))
-    root = np.sqrt(np.maximum(1.0 - correlation**2, _SMALL**2))
-    parts = owens_t(h, (k / h - correlation) / root) + owens_t(k, (h / k - correlation) / root)
-    shares: Array = 0.5 * (ndtr(h) + ndtr(k)) - parts - 0.5 * (h * k < 0.0)
-    return shares
 
 
 def truly(log_parameters: Array) -> str:

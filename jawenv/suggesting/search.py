@@ -42,7 +42,7 @@ def searched_actions(
     env.reset(seed=0, options={"patients": patients})
     simulation = env.unwrapped.simulation
     treated = constants.Patients.of_worlds(simulation.worlds)
-    known = search.Known(mean, precision)
-    found = search.searched(constants.Twin(simulation), treated, goals_of(actions), updates, known=known)
+    twin, known = constants.Twin(simulation), (mean, precision)
+    found = search.searched(twin, treated, goals_of(actions), updates, known=known)
     env.close()
     return np.asarray(action_of(found), dtype=np.float32)

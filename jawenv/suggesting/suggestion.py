@@ -187,5 +187,5 @@ def _expected(player: Player, patients: list[Patient], world: dict[str, Any], kn
 
 
 def _worst(cov: Any, counted: Any) -> float:
-    """The largest error bar of those that count (p,)."""
+    """Return the largest error bar among the counted ones (p,)."""
     return float(np.sqrt(np.diagonal(cov)[counted].max()))

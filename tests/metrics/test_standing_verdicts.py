@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
 from jawenv.metrics.precision import for_good
-from jawenv.metrics.verdicts import FINDINGS, standing, verdicts
-from jawenv.metrics.verdicts import _both_below as both_below
+from jawenv.metrics.standing import _both_below as both_below
+from jawenv.metrics.standing import standing
+from jawenv.metrics.verdicts import FINDINGS, verdicts
 
 NUMBER = st.floats(-4.0, 4.0)
 
