@@ -10,6 +10,8 @@ from jawenv.live.outcome import KNOWN, LARGEST_DISCOMFORT_S, DriveOutcome
 from jawenv.live.question import AnsweredMuscle, stiff_from_N
 from jawenv.live.session import Shown
 from jawenv.metrics.calibration import alarm_word
+from jawenv.metrics.diagnosis import whole_muscles_per_line
+from jawenv.metrics.standing import standing
 from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
 
@@ -157,7 +159,7 @@ def status_html(shown: Shown, remark: str = "") -> str:
             f"<span data-worst='{worst}'>{worst} %</span>",
             f"driven by {escape(shown.driver)}",
         ),
-        ("all within 10 %", _seconds(outcome.time_to_s[0]), ""),
+        ("all within 10 %", _seconds(outcome.time_to_s[0]), _verdicts(scene)),
         ("all within 5 %", _seconds(outcome.time_to_s[1]), ""),
         ("discomfort", discomfort, below),
         ("opening", f"{scene.opening_mm:.1f} mm", ""),
@@ -173,6 +175,14 @@ def status_html(shown: Shown, remark: str = "") -> str:
     below = "".join(f"<div style='margin-top:4px;color:var(--live-remark)'>{text}</div>" for text in words)
     grid = "display:grid;grid-template-columns:repeat(3,1fr);gap:4px 8px"
     return f"<div id='status' style='{_CARD}'><div style='{grid}'>{cells}</div>{below}</div>"
+
+
+def _verdicts(scene: Scene) -> str:
+    """Number of the muscles on which the data have a verdict; empty where lines are no whole muscles."""
+    if whole_muscles_per_line(scene.parameter_names) != 1.0:
+        return ""
+    stands = standing(scene.belief_mean, scene.belief_cov, scene.prior_sd)
+    return f"{stands.sum()} of {len(stands)} verdicts stand"
 
 
 def ghost_html(shown: Shown) -> str:
