@@ -61,14 +61,13 @@ class Clairvoyant(Planner):
 
     def _search_for(self, chosen: NDArray[np.intp]) -> None:
         """The same of a few worlds (N,): the graph of an episode takes some 50 MB for each."""
-        import torch
-
         from agents.twin.constants import Patients
         from agents.twin.search import searched
 
         patients = Patients.of_worlds(self._simulation.worlds[chosen])
-        asked = torch.tensor(self._simulation.asked[chosen]).double()
         base = self._base[: round(HORIZON_S * self._hz)]
         starts = np.broadcast_to(base, (len(chosen), *base.shape)).copy()
         self._planned[chosen] = self._base
-        self._planned[chosen, : len(base)] = searched(self._twin, patients, starts, self.updates, asked)
+        self._planned[chosen, : len(base)] = searched(
+            self._twin, patients, starts, self.updates, asked=self._simulation.asked[chosen]
+        )

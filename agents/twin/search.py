@@ -5,9 +5,10 @@ Adam (Kingma & Ba 2015, arXiv:1412.6980) moves knots of the targets: single deci
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import torch
-from torch import Tensor
 
 from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
@@ -27,8 +28,10 @@ def searched(
     patients: Patients,
     base: Array,
     updates: int,
-    asked: Tensor | None = None,
+    *,
+    asked: Array | None = None,
     known: tuple[Array, Array] | None = None,
+    report: Callable[[int], None] = lambda update: None,
 ) -> Array:
     """Targets (N, T, 4) with the smallest error bars and discomfort, one row for each group of patients.
 
@@ -37,8 +40,9 @@ def searched(
         patients: N groups of equal size, the patients of a group side by side; their mean cost counts.
         base: (N, T, 4) targets that the search begins with.
         updates: steps of Adam.
-        asked: muscles of each patient, as ``Worlds`` takes them.
+        asked: (P, 6) the muscles asked for of each patient; all by default.
         known: (N, 12) means and (N, 12, 12) precisions that the groups' beliefs begin with; the prior's by default.
+        report: called with the number of each update before it.
     """
     start, together = torch.tensor(np.asarray(base)), len(patients) // len(base)
     times = twin.decision_s * np.arange(1, start.shape[1] + 1)
@@ -46,10 +50,12 @@ def searched(
     between = np.clip(1.0 - np.abs(times[:, None] - knots) / _KNOT_S, 0.0, None)
     moves, marks = torch.tensor(between[..., None] * _SCALE), weights(len(times))
     x = start.new_zeros(len(start), len(knots), start.shape[2], requires_grad=True)
+    wanted = None if asked is None else torch.tensor(asked).double()
     optimiser = torch.optim.Adam([x], _LEARNING_RATE, betas=(0.8, 0.95))
-    for _ in range(updates):
+    for update in range(updates):
+        report(update + 1)
         targets = start + torch.einsum("tkc,nkc->ntc", moves, x)
-        worlds, cost = Worlds(twin, patients, asked=asked), start.new_zeros(len(patients))
+        worlds, cost = Worlds(twin, patients, asked=wanted), start.new_zeros(len(patients))
         if known is not None:
             worlds.belief.know(*(torch.tensor(part).repeat_interleave(together, 0) for part in known))
         for number, target in enumerate(targets.repeat_interleave(together, 0).unbind(1), 1):

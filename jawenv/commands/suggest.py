@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +27,11 @@ def suggest_next(path: Path, output: Path, wanted: dict[str, Any], reading: dict
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
     record = load_record(path, UNKNOWN, **reading)
-    found = suggest(record, **wanted)
+    found = suggest(record, **wanted, told=partial(print, file=sys.stderr, flush=True))
     save_maneuver(found.maneuver, output)
     weakest = least_known(record, found.found)
-    print(f"least known now: {weakest['words']}, sd {weakest['sd']:.1%}; largest error bar {found.worst_sd:.1%}")
+    of = f" of {wanted['asked']}" if wanted.get("asked") else ""
+    print(f"least known now: {weakest['words']}, sd {weakest['sd']:.1%}; largest error bar{of} {found.worst_sd:.1%}")
     print(f"next: {found.movement()}")
     comfort = f"discomfort {found.expected.discomfort_s:.3f} s"
     print(f"expected after {found.seconds:g} s more: {_in_words(found.expected)}, {comfort}")

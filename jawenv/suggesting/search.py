@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
@@ -16,7 +17,13 @@ from jawenv.playing.maneuvers.maneuver import action_of, goals_of
 
 
 def searched_actions(
-    actions: Array, patients: list[Patient], mean: Array, precision: Array, world: dict[str, Any], updates: int
+    actions: Array,
+    patients: list[Patient],
+    mean: Array,
+    precision: Array,
+    world: dict[str, Any],
+    updates: int,
+    told: Callable[[str], None] = lambda text: None,
 ) -> Array:
     """Actions (N, T, 4) of N movements after the search.
 
@@ -27,6 +34,7 @@ def searched_actions(
         precision: (N, 12, 12) of the same, with the prior's.
         world: arguments of the environment.
         updates: steps of the search.
+        told: called before each of them, in words.
 
     Raises:
         MissingPackageError: torch, or the clone's package of agents, is not installed.
@@ -43,6 +51,11 @@ def searched_actions(
     simulation = env.unwrapped.simulation
     treated = constants.Patients.of_worlds(simulation.worlds)
     twin, known = constants.Twin(simulation), (mean, precision)
-    found = search.searched(twin, treated, goals_of(actions), updates, known=known)
+
+    def report(update: int) -> None:
+        told(f"searching, update {update} of {updates}")
+
+    asked = np.asarray(simulation.asked)
+    found = search.searched(twin, treated, goals_of(actions), updates, asked=asked, known=known, report=report)
     env.close()
     return np.asarray(action_of(found), dtype=np.float32)

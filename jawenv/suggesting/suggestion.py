@@ -6,6 +6,7 @@ patients drawn from the belief: the information of each simulated recording is a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -76,7 +77,13 @@ class _Suggestion:
         return max(point.t_s for point in self.maneuver.channels.opening.points)  # type: ignore[union-attr]
 
 
-def suggest(record: Record, seconds: float = 10.0, search: int = 0, asked: str | None = None) -> _Suggestion:
+def suggest(
+    record: Record,
+    seconds: float = 10.0,
+    search: int = 0,
+    asked: str | None = None,
+    told: Callable[[str], None] = lambda text: None,
+) -> _Suggestion:
     """Suggest the movement to record next of a recording's patient.
 
     Args:
@@ -85,6 +92,7 @@ def suggest(record: Record, seconds: float = 10.0, search: int = 0, asked: str |
         search: steps down the gradient of the twin from the policy's movement on, which take about two seconds each;
             what it finds is suggested where more is expected of it.
         asked: the muscle whose error bars count, or a word of several, as `left`; all by default.
+        told: called with what goes on, in words.
 
     Raises:
         InputError: another length, model or muscle, or a recording that is not to be believed.
@@ -101,6 +109,7 @@ def suggest(record: Record, seconds: float = 10.0, search: int = 0, asked: str |
     model = defaults.model_of_geometry(record.jaw)
     if model is None or model[0] != "jaw":
         raise InputError("recording is of another jaw than the default one; allowed: that of jawenv/Jaw-v3")
+    told("identifying the recording")
     found, _ = identified_with_errors(record)
     if not found.believable:
         raise InputError(f"recording is not to be believed: {found.doubts[0]}; allowed: one that identify believes")
@@ -117,9 +126,11 @@ def suggest(record: Record, seconds: float = 10.0, search: int = 0, asked: str |
     }
     patients = [as_patient(row, model[1]) for row in drawn_from(mean[None], cov[None], _DRAWS, 0)[0]]
     known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
+    told("playing its estimates")
     actions = [suggested_actions([as_patient(mean, model[1])], world)]
     if search:
-        actions.append(searched_actions(actions[0], patients, mean[None], known[None], world, search))
+        actions.append(searched_actions(actions[0], patients, mean[None], known[None], world, search, told))
+    told(f"playing {_DRAWS} patients from the belief")
     maneuvers = [*(_written_down(one[0], seconds) for one in actions), Maneuver.named(BESIDE)]
     *expected, beside = (_expected(Player(one), patients, world, known, counted) for one in maneuvers)
     best, maneuver = min(zip(expected, maneuvers, strict=False), key=lambda pair: pair[0].median)
