@@ -74,7 +74,9 @@ def _score_command(
 
 @app.command("identify")
 def _identify_command(
-    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A .csv or .parquet file.")],
+    recordings: Annotated[
+        list[Path], typer.Argument(metavar="RECORDING...", help=".csv or .parquet files of one patient.")
+    ],
     cohort: Annotated[
         str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
     ] = None,
@@ -109,7 +111,11 @@ def _identify_command(
     from jawenv.commands.recordings import check, identify
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample, "before": before}
-    return check(recording, reading) if check_only else identify(recording, reading, page, json)
+    if len(recordings) > 1:
+        from jawenv.commands.several import identify_together
+
+        return identify_together(recordings, reading, page, json, check_only)
+    return check(recordings[0], reading) if check_only else identify(recordings[0], reading, page, json)
 
 
 @app.command("suggest")

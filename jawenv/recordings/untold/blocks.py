@@ -35,6 +35,8 @@ MOST_BLOCKS = 600  # of a recording: those of an hour would fill the memory, so 
 _WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
 _MOST_PASSES, _CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
 _N_CONSTANT = len(WRENCH_UNITS)
+_OF_A_SESSION = ("gravity", "tone", "mouthpiece", "offset", "turn", "cell_turn", "of_motors", "again")
+"""What moves one of these is drawn anew with each mounting; all else is the patient's own."""
 N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
 
@@ -49,6 +51,7 @@ class Blocks:
     information: Array  # (B, n, n)
     score: Array  # (B, n)
     poses: Array  # (B, 5) at their ends
+    own: NDArray[np.bool_]  # (n - c,) which columns behind the tensions are the patient's own
     gain_sd: float  # of the load cell's gain error
     told_scan: bool  # whether the filter knew of the other unknowns: then their sds are those that it has
     told_wrench: float  # sd of the wrench that it knew of, N
@@ -128,6 +131,7 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
         information=information,
         score=score + information @ steps[order],
         poses=kept[2],
+        own=_own(nuisances)[order[muscles * N_NODES :] - muscles * N_NODES],
         gain_sd=float(np.sqrt(settings["gain_variance"])),
         told_scan=not record.knowledge.exact,
         told_wrench=record.knowledge.wrench_N,
@@ -148,6 +152,12 @@ def _settings(record: Record) -> tuple[Any, bool]:
         own = settings_of_record(record)
         settings["doubt"], settings["whole"] = own["doubt"], own["whole"]
     return settings, told
+
+
+def _own(nuisances: Any) -> NDArray[np.bool_]:
+    """(1 + nuisances,) whether the gain, which is not, and each of these is the patient's own."""
+    parts = [np.abs(nuisances[name]).reshape(len(nuisances["mass"]), -1).max(axis=1) for name in _OF_A_SESSION]
+    return np.append(False, np.max(parts, axis=0) == 0.0)
 
 
 def _order(tensions: int, nuisances: Any) -> NDArray[np.intp]:
