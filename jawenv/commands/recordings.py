@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from jawenv.base.errors import InputError, MissingPackageError
 from jawenv.base.files import check_kept, write_text
 from jawenv.commands.answer import UNKNOWN, as_mapping, assumed_in_words, doubts_in_words, print_belief
 from jawenv.metrics.calibration import YELLOW, alarm_word
+from jawenv.recordings.clocks.delay import in_time
 from jawenv.recordings.files import load_record
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.stretcher.log import is_log
@@ -49,19 +51,23 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
+    record, delay = in_time(record)
     result, last = identified_with_errors(record)
+    if delay.too_late:
+        result = replace(result, rival=f"{delay}")
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
     fitted = result.rows - result.refused
     print(f"rows:    {result.rows:,} read, {fitted:,} fitted, {result.refused:,} refused by the filter's gate")
     print(f"numbers: {result.numbers:,} read, {result.left_out:,} left out (out of range, or of a frozen sensor)")
     print(f"assumed: {assumed_in_words(record)}")
+    print(f"clocks:  {delay}")
     word = alarm_word(result.misfit).replace("rings", "RINGS")
     print(f"alarm:   {word}, misfit {result.misfit:.3g} (yellow above {YELLOW:g}, it rings above 1)\n")
     print_belief(record, result)
     if write_page is not None:
         print(f"\npage: {write_page(record, result, last, path, page, assumed_in_words(record))}")
     if answer is not None:
-        write_text(answer, json.dumps(as_mapping(record, result), indent=1) + "\n")
+        write_text(answer, json.dumps(as_mapping(record, result) | {"forces_late_s": delay.seconds}, indent=1) + "\n")
         print(f"\nanswer: {answer}")
     if not result.believable:
         print("\nNOT TO BE BELIEVED:", flush=True)

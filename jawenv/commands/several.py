@@ -15,6 +15,7 @@ from jawenv.base.files import check_kept, write_text
 from jawenv.commands.answer import UNKNOWN, as_mapping, assumed_in_words, print_belief
 from jawenv.commands.recordings import NOT_BELIEVABLE, page_writer
 from jawenv.metrics.calibration import alarm_word
+from jawenv.recordings.clocks.delay import in_time
 from jawenv.recordings.estimate import Array, Estimate
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import Identification
@@ -46,13 +47,16 @@ def identify_together(
     if page is not None and answer is not None and page.resolve() == answer.resolve():
         raise InputError(f"--page and --json are both {page}; allowed: two files")
     write_page = None if page is None else page_writer()
-    records = [load_record(path, UNKNOWN, **reading) for path in paths]
-    found = []
-    for path, record in zip(paths, records, strict=True):
+    records, found = [], []
+    for path in paths:
+        record, delay = in_time(load_record(path, UNKNOWN, **reading))
         one, _ = identified_with_errors(record)
-        found.append(one)
+        records.append(record)
+        found.append(replace(one, rival=f"{delay}") if delay.too_late else one)
         worst = f"largest error bar {one.estimate.sd[-1].max():.1%}"
-        print(f"{path}: {record.time[-1]:g} s, {worst}; alarm {alarm_word(one.misfit)}, misfit {one.misfit:.3g}")
+        print(
+            f"{path}: {record.time[-1]:g} s, {worst}; alarm {alarm_word(one.misfit)}, misfit {one.misfit:.3g}; {delay}"
+        )
     agree, result = _together(records, found)
     print(f"assumed: {assumed_in_words(records[0])}")
     test = f"chi-squared {agree.squares:.3g} of {agree.degrees}, p {agree.p:.2g}"
