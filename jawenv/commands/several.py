@@ -20,7 +20,7 @@ from jawenv.recordings.estimate import Array, Estimate
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
-from jawenv.recordings.several.together import Agreement, agreement, combined, together
+from jawenv.recordings.several.together import agreement, combined, together
 from jawenv.recordings.untold.learnt import identified_with_errors
 
 
@@ -79,7 +79,7 @@ def identify_together(
     return 0 if believed else NOT_BELIEVABLE
 
 
-def _together(records: Sequence[Record], found: Sequence[Identification]) -> tuple[Agreement, Identification]:
+def _together(records: Sequence[Record], found: Sequence[Identification]) -> tuple[Any, Identification]:
     """How the recordings agree, and the identification of all: the belief of the first over time, then that of all."""
     prior, first = records[0].prior, found[0]
     means, covs = (np.array([getattr(one.estimate, name)[-1] for one in found]) for name in ("mean", "cov"))
@@ -107,9 +107,7 @@ def _appended(values: Array, last: Array) -> Array:
     return np.concatenate([values, last[None]])
 
 
-def _disagreement(
-    agree: Agreement, paths: Sequence[Path], records: Sequence[Record], found: Sequence[Identification]
-) -> str:
+def _disagreement(agree: Any, paths: Sequence[Path], records: Sequence[Record], found: Sequence[Identification]) -> str:
     """The sentence that says which two recordings are not of one patient, and what differs most."""
     names = [str(paths[i]) for i in agree.pair]
     values = [f"{np.exp(found[i].estimate.mean[-1][agree.parameter]):.3g}" for i in agree.pair]
@@ -121,7 +119,7 @@ def _mapping(
     paths: Sequence[Path],
     records: Sequence[Record],
     found: Sequence[Identification],
-    agree: Agreement,
+    agree: Any,
     result: Identification,
 ) -> dict[str, Any]:
     """The answer as a pipeline reads it: that to one recording, for all, then agreement and each recording's own."""

@@ -78,7 +78,7 @@ def divided(record: Record, parts: int) -> Record:
     measured = np.full((ticks * parts + 1, record.measured.shape[1]), np.nan)
     measured[::parts] = record.measured
     share = (np.arange(parts)[:, None] + np.array([0.0, 0.5, 1.0])) / parts
-    samples = np.einsum("pos,tsk->tpok", parabola(share), record.samples).reshape(-1, 3, record.samples.shape[-1])
+    samples = np.einsum("pos,tsk->tpok", _parabola(share), record.samples).reshape(-1, 3, record.samples.shape[-1])
     return replace(
         record,
         time=np.linspace(record.time[0], record.time[-1], ticks * parts + 1),
@@ -109,7 +109,7 @@ def _longer_ticks(samples: Array, every: int) -> Array:
         return samples.copy()
     nodes, weights = np.polynomial.legendre.leggauss(3)
     share = 0.5 * (nodes + 1.0)
-    sample_weights = parabola(share)
+    sample_weights = _parabola(share)
     position = (np.arange(every)[:, None] + share) / every
     moments = np.einsum("egm,g,gs->mes", _legendre(position), 0.5 * weights / every, sample_weights)
     to_samples = np.einsum("om,mes->oes", _legendre(np.array([0.0, 0.5, 1.0])), moments)
@@ -119,7 +119,7 @@ def _longer_ticks(samples: Array, every: int) -> Array:
     return np.where(frozen[:, None], groups[:, 0, :1], fitted)
 
 
-def parabola(share: Array) -> Array:
+def _parabola(share: Array) -> Array:
     """(..., 3) weights of the samples at start, middle and end in the parabola through them, at a share of the tick."""
     ends = (1.0 - share) * (1.0 - 2.0 * share), share * (2.0 * share - 1.0)
     return np.stack([ends[0], 4.0 * share * (1.0 - share), ends[1]], axis=-1)

@@ -18,14 +18,14 @@ from jawenv.recordings import defaults
 from jawenv.recordings.defaults import UNMODELLED_TIME
 from jawenv.recordings.identification import identified
 from jawenv.recordings.record import Record
-from jawenv.recordings.thinning import divided, parabola
+from jawenv.recordings.thinning import divided
 from jawenv.recordings.untold.bank import evidence
 from jawenv.recordings.untold.blocks import blocks_of
 
 _SERVO_S = 0.007
 _COARSE_S, _FINE_S, _FURTHEST_S = 0.01, 0.005, 0.06
 """S between the shifts that are tried, first and beside the best, and the furthest."""
-LARGEST_S = 0.032
+_LARGEST_S = 0.032
 """Of a delay that is taken out, 30 ms and its error: one that is larger is no matter of clocks that nearly agree."""
 _LEAST_S, _LEAST_NATS = 0.005, 50.0
 """A delay is taken for one that is there from here on, if the readings are so much more probable with it."""
@@ -34,7 +34,7 @@ _LONG_S = 20.0
 
 
 @dataclass(frozen=True)
-class Delay:
+class _Delay:
     """How late the forces are, or how early where it is negative."""
 
     seconds: float
@@ -48,35 +48,35 @@ class Delay:
     @property
     def too_late(self) -> bool:
         """Whether they disagree by more than is taken out."""
-        return self.shown and abs(self.seconds) > LARGEST_S
+        return self.shown and abs(self.seconds) > _LARGEST_S
 
     def __str__(self) -> str:
         """In words."""
         if not self.shown:
             return "no delay is seen between motion and forces"
         late = f"forces are {1e3 * abs(self.seconds):.0f} ms {'late' if self.seconds > 0.0 else 'early'}"
-        return f"{late}, more than the {1e3 * LARGEST_S:g} ms that are taken out" if self.too_late else late
+        return f"{late}, more than the 30 ms that are taken out" if self.too_late else late
 
 
-def in_time(record: Record) -> tuple[Record, Delay]:
+def in_time(record: Record) -> tuple[Record, _Delay]:
     """The recording with forces at their times, and the delay that was found.
 
     It is as it was where no delay is shown or one that is too large, and where all is known exactly: so are clocks.
     """
-    delay = Delay(0.0, 0.0) if record.knowledge.exact else delay_of(record)
+    delay = _Delay(0.0, 0.0) if record.knowledge.exact else delay_of(record)
     if not delay.shown or delay.too_late:
         return record, delay
     rows = int(np.ceil(abs(delay.seconds) / record.dt))
-    moved = shifted(record, delay.seconds)
+    moved = _shifted(record, delay.seconds)
     return (_cut(moved, 0, rows) if delay.seconds > 0.0 else _cut(moved, rows, 0)), delay
 
 
-def delay_of(record: Record) -> Delay:
+def delay_of(record: Record) -> _Delay:
     """How late the forces of a recording are; 0 where it is too short or has no load cell."""
     margin = int(np.ceil((_FURTHEST_S + _FINE_S) / record.dt)) + 1
     alone = len(record.start_mean) == N_BODY or record.force_sensor != "cell"
     if alone or record.time[-1] < 1.0 + 2.0 * margin * record.dt:
-        return Delay(0.0, 0.0)
+        return _Delay(0.0, 0.0)
     if record.time[-1] > _LONG_S:
         record = record.until(_LONG_S)
     mean = identified(record).estimate.mean[-1]
@@ -86,7 +86,7 @@ def delay_of(record: Record) -> Delay:
 
     def probable(seconds: float) -> float:
         if seconds not in tried:
-            moved = divided(_cut(shifted(record, seconds), margin, margin), parts)
+            moved = divided(_cut(_shifted(record, seconds), margin, margin), parts)
             tried[seconds] = evidence(blocks_of(moved, mean, unknowns))
         return tried[seconds]
 
@@ -96,17 +96,18 @@ def delay_of(record: Record) -> Delay:
     low, middle, high = (probable(best + _FINE_S * k) for k in (-1, 0, 1))
     bend = 2.0 * middle - low - high
     top = best + (0.5 * _FINE_S * (high - low) / bend if bend > 0.0 else 0.0)
-    return Delay(float(top + _SERVO_S), middle - max(probable(-_COARSE_S), probable(-_FINE_S)))
+    return _Delay(float(top + _SERVO_S), middle - max(probable(-_COARSE_S), probable(-_FINE_S)))
 
 
-def shifted(record: Record, seconds: float) -> Record:
+def _shifted(record: Record, seconds: float) -> Record:
     """The record with the forces that were read ``seconds`` later; at its ends some are held."""
     ticks = len(record.samples)
     place = np.arange(ticks)[:, None] + np.array([0.0, 0.5, 1.0]) + seconds / record.dt
     tick = np.floor(place)
     tick[:, 2] = np.ceil(place[:, 2]) - 1.0  # the end of a tick, not the start of the next
     tick = np.clip(tick, 0, ticks - 1)
-    weights = parabola(np.clip(place - tick, 0.0, 1.0))
+    share = np.clip(place - tick, 0.0, 1.0)
+    weights = np.maximum(0.0, 1.0 - np.abs(2.0 * share[..., None] - np.arange(3.0)))  # on the lines between samples
     samples = np.einsum("tos,tosk->tok", weights, record.samples[tick.astype(int)])
     return replace(record, samples=samples, wrenches=None)
 

@@ -27,7 +27,7 @@ _BETTER = 0.5
 
 
 @dataclass(frozen=True)
-class Check:
+class _Check:
     """One thing that was looked at."""
 
     what: str
@@ -36,7 +36,7 @@ class Check:
     mend: str = ""  # command or line of a mapping file
 
 
-def examined(record: Record) -> list[Check]:
+def examined(record: Record) -> list[_Check]:
     """The checks of a recording's first minute, in the order in which a bench is put right.
 
     What a check finds wrong is put right for those after it, as far as numbers tell how.
@@ -51,16 +51,16 @@ def examined(record: Record) -> list[Check]:
     return [rate, sign, frame, _zero(record), _clocks(record), _teeth(record)]
 
 
-def _rate(record: Record) -> Check:
+def _rate(record: Record) -> _Check:
     found = findings(record)[0]
     mend = 'time_s = {name = "...", unit = "ms"} in --columns FILE, or --resample HZ'
     if not found.plausible:
-        return Check("rate", f"{found.value}; allowed: {found.allowed}", False, mend)
+        return _Check("rate", f"{found.value}; allowed: {found.allowed}", False, mend)
     ratio = _way_by_velocities(record)
     fine = not (ratio < _SLOWEST or ratio > _FASTEST)
     value = found.value if np.isnan(ratio) else f"{found.value}, way over that by the velocities {ratio:.2f}"
-    hz = ratio / record.dt
-    return Check("rate", value, fine, f"times of {hz:.3g} Hz, or velocities in other units, in --columns FILE")
+    hz = 1.0 / (ratio * record.dt)
+    return _Check("rate", value, fine, f"times of {hz:.3g} Hz, or velocities in other units, in --columns FILE")
 
 
 def _way_by_velocities(record: Record) -> float:
@@ -76,21 +76,21 @@ def _way_by_velocities(record: Record) -> float:
     return float(np.sum(change[read] * by_velocity[read])) / total if total > 0.0 else np.nan
 
 
-def _sign(record: Record) -> tuple[Check, Record]:
+def _sign(record: Record) -> tuple[_Check, Record]:
     work = next((one for one in findings(record) if one.columns == "force x velocity"), None)
     if work is None:
-        return Check("sign", "the jaw hardly opens: nothing is shown", True), record
+        return _Check("sign", "the jaw hardly opens: nothing is shown", True), record
     lines = ", ".join(_lines(-np.eye(3)))
     turned = record if work.plausible else replace(record, samples=-record.samples)
-    return Check("sign", work.value, work.plausible, f"{lines} in --columns FILE"), turned
+    return _Check("sign", work.value, work.plausible, f"{lines} in --columns FILE"), turned
 
 
-def _frame(record: Record) -> tuple[Check, Record]:
+def _frame(record: Record) -> tuple[_Check, Record]:
     """Whether some muscles explain the readings, and if not, whether they do in another frame of the load cell."""
     as_it_is = _misfit(record)
     value = f"misfit {as_it_is:.3g}, allowed: {LARGEST_MISFIT:g}"
     if as_it_is <= LARGEST_MISFIT:
-        return Check("frame", value, True), record
+        return _Check("frame", value, True), record
     short = record.until(_SHORT_S) if record.time[-1] > _SHORT_S else record
     before, found = _misfit(short), []
     for words, mend, samples in _frames(short):
@@ -99,9 +99,9 @@ def _frame(record: Record) -> tuple[Check, Record]:
             found.append((_misfit(moved), words, mend))
     best, words, mend = min(found, default=(np.inf, "", ""))
     if best > min(LARGEST_MISFIT, _BETTER * before):
-        return Check("frame", value, True), record  # it is something else
+        return _Check("frame", value, True), record  # it is something else
     samples = next(samples for one, _, samples in _frames(record) if one == words)
-    return Check("frame", f"{value}; {best:.2g} {words}", False, mend), replace(record, samples=samples)
+    return _Check("frame", f"{value}; {best:.2g} {words}", False, mend), replace(record, samples=samples)
 
 
 def _misfit(record: Record) -> float:
@@ -151,27 +151,27 @@ def _from_closed(record: Record) -> Array:
     return below
 
 
-def _zero(record: Record) -> Check:
+def _zero(record: Record) -> _Check:
     """The force at the start, where the jaw rests and the device is slack."""
     first = record.samples[: max(1, round(_START_S / record.dt)), :, :3]
     if not np.isfinite(first).any(axis=(0, 1)).all() or not _from_closed(record)[0] < _NEAR_MM:
-        return Check("zero", "the recording does not begin with the jaw closed: nothing is shown", True)
+        return _Check("zero", "the recording does not begin with the jaw closed: nothing is shown", True)
     force = np.nanmean(first, axis=(0, 1))
     value = f"{', '.join(f'{x:.2f}' for x in force)} N at the start, allowed: {_LARGEST_ZERO_N:g} N each"
     mend = "tare the cell with the device slack, or begin the recording before it pulls"
-    return Check("zero", value, bool(np.abs(force).max() <= _LARGEST_ZERO_N), mend)
+    return _Check("zero", value, bool(np.abs(force).max() <= _LARGEST_ZERO_N), mend)
 
 
-def _clocks(record: Record) -> Check:
+def _clocks(record: Record) -> _Check:
     delay = delay_of(record)
     mend = f"jawenv import MOTION --forces FORCES --offset {delay.seconds:.3f}; up to 30 ms identify takes out"
-    return Check("clocks", f"{delay}", not delay.shown, mend)
+    return _Check("clocks", f"{delay}", not delay.shown, mend)
 
 
-def _teeth(record: Record) -> Check:
+def _teeth(record: Record) -> _Check:
     below = _from_closed(record)
     if np.isnan(below).all():
-        return Check("teeth", "no height of the mouthpiece was read: nothing is shown", True)
+        return _Check("teeth", "no height of the mouthpiece was read: nothing is shown", True)
     nearest = float(np.nanmin(below))
     value = f"mouthpiece {nearest:.1f} mm below its place with the jaw closed at the least, allowed: {_NEAR_MM:g} mm"
-    return Check("teeth", value, nearest <= _NEAR_MM, "begin with the teeth together")
+    return _Check("teeth", value, nearest <= _NEAR_MM, "begin with the teeth together")
