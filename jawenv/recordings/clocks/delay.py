@@ -25,7 +25,7 @@ from jawenv.recordings.untold.blocks import blocks_of
 _SERVO_S = 0.007
 _COARSE_S, _FINE_S, _FURTHEST_S = 0.01, 0.005, 0.06
 """S between the shifts that are tried, first and beside the best, and the furthest."""
-_LARGEST_S = 0.032
+_LARGEST_S = 0.035
 """Of a delay that is taken out, 30 ms and its error: one that is larger is no matter of clocks that nearly agree."""
 _LEAST_S, _LEAST_NATS = 0.005, 50.0
 """A delay is taken for one that is there from here on, if the readings are so much more probable with it."""
