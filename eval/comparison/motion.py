@@ -99,11 +99,11 @@ class _MotionRecorder:
         scene = build_scene(simulation)
         if not self._motion:
             self._motion = beginning(scene, simulation.configuration.control)
-        for name, value in frame_of(scene, action).items():
+        for name, value in _frame_of(scene, action).items():
             self._motion["frames"].setdefault(name, []).append(value)
 
 
-def frame_of(scene: Any, action: Action) -> dict[str, Any]:
+def _frame_of(scene: Any, action: Action) -> dict[str, Any]:
     """Values of one frame."""
     frame = {
         "time_s": scene.time_s,

@@ -59,28 +59,6 @@ class PatientBelief:
         return Prior(self.mean, np.maximum(self.sd, population.sd))
 
 
-def combined(before: PatientBelief, working: Prior, mean: Array, cov: Array) -> tuple[Array, Array]:
-    """The full belief at each of T times of a treatment.
-
-    Args:
-        before: the full belief before the treatment.
-        working: prior of the filter's run.
-        mean: (T, P) of the filter.
-        cov: (T, P, P) of the filter.
-
-    Returns:
-        (T, P) means and (T, P, P) covariances.
-    """
-    at_start, prior_information = np.linalg.inv(before.cov), 1.0 / np.square(working.sd)
-    gained = np.linalg.inv(cov)
-    precision = at_start + gained - np.diag(prior_information)
-    # Means as steps from the working prior's, so that nothing large is subtracted.
-    steps = np.einsum("tij,tj->ti", gained, mean - working.mean) + at_start @ (before.mean - working.mean)
-    covariance = np.linalg.inv(precision)
-    covariance = 0.5 * (covariance + np.swapaxes(covariance, -1, -2))
-    return working.mean + np.einsum("tij,tj->ti", covariance, steps), covariance
-
-
 def is_shared(entry: Entry) -> bool:
     """Whether an entry's patients have an anatomy that is known only within sds."""
     return not knowledge(entry.env_kwargs.get("knowledge")).exact

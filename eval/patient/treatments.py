@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eval.kept.entries import Entry
-from eval.patient.belief import KnownPatient, PatientBelief, at_start, combined, is_shared
+from eval.patient.belief import KnownPatient, PatientBelief, at_start, is_shared
 from jawenv.analysis.joint_likelihood import JointLikelihood, joint_likelihood
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.base.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import alarm_rings
 from jawenv.playing.recording import Recording
+from jawenv.recordings.several.together import combined
 from jawenv.recordings.untold.learnt import learnt
 from jawenv.recordings.untold.shown import Shown
 
@@ -160,7 +161,8 @@ def _play(entry: Entry, belief: PatientBelief, patient: Patient | None, noise: i
     cohort = KnownPatient.of(population, working)
     recording = entry.play([patient], noise, cohort=cohort, track_bound=False, record=untold)
     last = recording.last[0] + 1
-    mean, cov = combined(belief, working, recording.belief_mean[0, :last], recording.belief_cov[0, :last])
+    means, covs = recording.belief_mean[0, :last], recording.belief_cov[0, :last]
+    mean, cov = combined((belief.mean, belief.cov), working, means, covs)
     played = Treatment(recording.time[:last], mean, cov, recording.truth[0], *_outcome(recording))
     return _with_errors(played, recording)
 

@@ -19,7 +19,7 @@ COLUMNS = ("seed", *FIGURES, "claimed", "ended")
 
 
 @cache
-def law_of(world: Configuration) -> PatientLaw:
+def _law_of(world: Configuration) -> PatientLaw:
     """The prior, once for all parts of a process."""
     return PatientLaw.of(world.build_cohort(), env_id=world.env_id)
 
@@ -33,7 +33,7 @@ class Gains(Rows):
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""
-        recording, law = entry.play(number, seed, progress, record=True), law_of(entry.world)
+        recording, law = entry.play(number, seed, progress, record=True), _law_of(entry.world)
         assert recording.records is not None, "the worlds were played with record=True"
         means, covs = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
         claimed = recording.at_end(recording.information_claimed)

@@ -29,7 +29,7 @@ COLUMNS = (*_OF_THE_EPISODE, *_FOUND, "claimed_s", "completed", "score_s")
 """Columns of every patient; see docs/benchmark.md."""
 
 
-def within_for_good(recording: Recording, within: float) -> Array:
+def _within_for_good(recording: Recording, within: float) -> Array:
     """First time from which on no estimate is further from the truth than a share of it, to the end of the episode.
 
     Args:
@@ -78,7 +78,7 @@ class Times(Rows):
         comfortable = rows["discomfort_s"].to_numpy() <= self.comfort_limit_s
 
         def found(level: float) -> Array:
-            return np.where(comfortable, within_for_good(recording, level), np.inf)
+            return np.where(comfortable, _within_for_good(recording, level), np.inf)
 
         for level, column in zip(LEVELS, _FOUND, strict=True):
             rows[column] = found(level)

@@ -16,7 +16,7 @@ from jawenv.anatomy.knowledge import LEVELS
 from jawenv.base.versions import package_versions
 from jawenv.ladder import MODELS
 from jawenv.metrics.calibration import alarm_word
-from jawenv.metrics.verdicts import WITHHELD, Verdict, verdicts
+from jawenv.metrics.verdicts import NO_VERDICT, OPEN, WITHHELD, Verdict, verdicts
 from jawenv.recordings import defaults
 from jawenv.recordings.estimate import ENOUGH
 from jawenv.recordings.identification import LEAST_S, Identification, identified
@@ -27,6 +27,8 @@ UNKNOWN = replace(defaults.UNLABELLED, knowledge="bench")
 _LONG_S, PATIENCE_S = 60.0, 2.0
 """Length of a recording from which, and time after which, it is said that other patients are tried."""
 LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
+_SD_95 = 1.96
+_TITLES = {"F_o": "pull of the closed jaw F_o, N", "b": "stiffening b, no unit"}
 IN_WORDS = {"exact": "known exactly", "imaged": "as from a scan", "bench": "as from a scan"}
 
 
@@ -96,7 +98,7 @@ def least_known(record: Record, result: Identification) -> dict[str, Any]:
     }
 
 
-def enough_in_words(result: Identification) -> str:
+def _enough_in_words(result: Identification) -> str:
     """Whether a recording may stop here."""
     sd = result.estimate.sd[-1]
     wide = int((sd > ENOUGH).sum())
@@ -105,7 +107,7 @@ def enough_in_words(result: Identification) -> str:
     return f"no, {wide} of {len(sd)} error bars are above {ENOUGH:.0%}, the largest is {sd.max():.0%}"
 
 
-def at_the_edge(record: Record, result: Identification) -> list[str]:
+def _at_the_edge(record: Record, result: Identification) -> list[str]:
     """Names of parameters whose estimate is beyond 2 sds of the prior: a patient whom the cohort hardly has."""
     beyond = np.abs(result.estimate.mean[-1] - record.prior.mean) > TRUNCATION_SD * record.prior.sd
     return [name.removeprefix("log_") for name, far in zip(record.parameter_names, beyond, strict=True) if far]
@@ -118,6 +120,51 @@ def judgements(record: Record, result: Identification) -> list[Verdict]:
     if not result.believable:
         return [WITHHELD] * len(MUSCLE_NAMES)
     return verdicts(result.estimate.mean[-1], result.estimate.cov[-1], record.prior.sd)
+
+
+def print_belief(record: Record, result: Identification) -> None:
+    """Print the estimates, what is least known of them, and the verdicts."""
+    _print_estimates(record, result)
+    weakest, edge = least_known(record, result), _at_the_edge(record, result)
+    print(f"least known: {weakest['words']}, sd {weakest['sd']:.1%} (before: {weakest['prior_sd']:.0%})")
+    print(f"enough recorded: {_enough_in_words(result)}")
+    if edge:
+        print(f"at the edge of what was assumed: {', '.join(edge)}")
+    _print_muscles(record, result)
+
+
+def _print_estimates(record: Record, result: Identification) -> None:
+    mean, sd = result.estimate.mean[-1], result.estimate.sd[-1]
+    print(f"{'':32}{'estimate':>10}{'sd':>9}{'' if record.truth is None else 'truth':>9}".rstrip())
+    for symbol, title in _TITLES.items():
+        print(title)
+        for i, name in enumerate(record.parameter_names):
+            if name.startswith(f"log_{symbol}/"):
+                truth = "" if record.truth is None else f"{np.exp(record.truth[i]):9.2f}"
+                print(f"{name.removeprefix('log_'):32}{np.exp(mean[i]):10.2f}{100.0 * sd[i]:7.1f} %{truth}")
+
+
+def _print_muscles(record: Record, result: Identification) -> None:
+    """The verdict on every muscle, left beside right, with the ratio of their pulls."""
+    found = judgements(record, result)
+    if not found:
+        return
+    mean, cov = result.estimate.mean[-1], result.estimate.cov[-1]
+    print(f"\n{'':18}{'left':33}{'right':33}F_o left : right, 95 %")
+    for kind in dict.fromkeys(name.rsplit("_", 1)[0] for name in MUSCLE_NAMES):
+        left, right = (MUSCLE_NAMES.index(f"{kind}_{side}") for side in ("left", "right"))
+        words = [_in_words(found[left]), _in_words(found[right])]
+        ratio = mean[2 * left] - mean[2 * right]
+        pair = [2 * left, 2 * right]
+        reach = _SD_95 * np.sqrt(np.array([1.0, -1.0]) @ cov[np.ix_(pair, pair)] @ np.array([1.0, -1.0]))
+        low, high = np.exp(ratio - reach), np.exp(ratio + reach)
+        print(f"{kind:18}{words[0]:33}{words[1]:33}{np.exp(ratio):.3g} ({low:.3g} to {high:.3g})")
+
+
+def _in_words(verdict: Verdict) -> str:
+    if verdict.word in (NO_VERDICT, *OPEN):
+        return verdict.word
+    return f"{verdict.word}, {'above 99.9' if verdict.probability > 0.999 else f'{100.0 * verdict.probability:.3g}'} %"
 
 
 def as_mapping(record: Record, result: Identification) -> dict[str, Any]:
@@ -139,7 +186,7 @@ def as_mapping(record: Record, result: Identification) -> dict[str, Any]:
         "rows": result.rows,
         "refused": result.refused,
         "least_known": least_known(record, result),
-        "at_the_priors_edge": at_the_edge(record, result),
+        "at_the_priors_edge": _at_the_edge(record, result),
         "verdicts": {name: _verdict(verdict) for name, verdict in found},
         "assumed": {
             "cohort": _cohort_assumed(record),

@@ -74,21 +74,16 @@ def _score_command(
 
 @app.command("identify")
 def _identify_command(
-    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A .csv or .parquet file.")],
-    cohort: Annotated[
-        str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
-    ] = None,
+    recordings: Annotated[
+        list[Path], typer.Argument(metavar="RECORDING...", help=".csv or .parquet files of one patient.")
+    ],
+    cohort: options.Cohort = None,
     knowledge: Annotated[
         str | None,
         typer.Option(help="What is known of anatomy and device: exact or imaged, or a file.", metavar="NAME"),
     ] = None,
-    columns: Annotated[
-        Path | None,
-        typer.Option(help="File with the names, units and signs that the recording has for ours.", metavar="FILE"),
-    ] = None,
-    resample: Annotated[
-        float | None, typer.Option(help="Interpolate uneven times to so many rows a second.", metavar="HZ")
-    ] = None,
+    columns: options.Columns = None,
+    resample: options.Resample = None,
     before: Annotated[
         Path | None, typer.Option(help="An earlier log of force and opening of the same patient.", metavar="FILE")
     ] = None,
@@ -109,7 +104,24 @@ def _identify_command(
     from jawenv.commands.recordings import check, identify
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample, "before": before}
-    return check(recording, reading) if check_only else identify(recording, reading, page, json)
+    if len(recordings) > 1:
+        from jawenv.commands.several import identify_together
+
+        return identify_together(recordings, reading, page, json, check_only)
+    return check(recordings[0], reading) if check_only else identify(recordings[0], reading, page, json)
+
+
+@app.command("doctor")
+def _doctor_command(
+    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A .csv or .parquet file.")],
+    cohort: options.Cohort = None,
+    columns: options.Columns = None,
+    resample: options.Resample = None,
+) -> int:
+    """Say what is wrong with a bench's recording, and what mends it (docs/recordings.md)."""
+    from jawenv.commands.doctor import look_at
+
+    return look_at(recording, {"cohort": cohort, "columns": columns, "resample_hz": resample})
 
 
 @app.command("suggest")
@@ -117,17 +129,13 @@ def _suggest_command(
     recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A .csv or .parquet file.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Maneuver to record next.", metavar="FILE.yaml")],
     seconds: Annotated[float, typer.Option(help="Its length.", metavar="S")] = 10.0,
-    search: Annotated[int, typer.Option(help="Steps of the search from there, 2 s each.", metavar="N")] = 0,
+    search: Annotated[int, typer.Option(help="Steps of the search from there, 5 s each.", metavar="N")] = 0,
     asked: Annotated[
         str | None, typer.Option(help="Muscle whose error bars count, or a word of several.", metavar="NAME")
     ] = None,
-    cohort: Annotated[
-        str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
-    ] = None,
+    cohort: options.Cohort = None,
     knowledge: Annotated[str | None, typer.Option(help="What is known of anatomy and device.", metavar="NAME")] = None,
-    columns: Annotated[
-        Path | None, typer.Option(help="File with the recording's own names, units and signs.", metavar="FILE")
-    ] = None,
+    columns: options.Columns = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an older maneuver.")] = False,
 ) -> None:
     """Suggest the movement to record next: made for the estimates of this recording (docs/recordings.md)."""
@@ -168,9 +176,7 @@ def _import_command(
     columns: Annotated[
         Path | None, typer.Option(help="File with the names, units and signs of the forces.", metavar="FILE")
     ] = None,
-    resample: Annotated[
-        float | None, typer.Option(help="Interpolate uneven times to so many rows a second.", metavar="HZ")
-    ] = None,
+    resample: options.Resample = None,
 ) -> None:
     """Make a recording of a jaw tracker's file and a load cell's (docs/recordings.md#files-of-the-trade)."""
     from jawenv.trackers.importing import ImportSettings, import_file

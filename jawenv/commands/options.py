@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import Field, fields
 from functools import wraps
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -17,6 +18,16 @@ Maneuver = Annotated[
     str, typer.Argument(metavar="AGENT|FILE", help="A name of `jawenv list agents`, or a maneuver file.")
 ]
 Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
+Cohort = Annotated[
+    str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
+]
+Columns = Annotated[
+    Path | None,
+    typer.Option(help="File with the names, units and signs that the recording has for ours.", metavar="FILE"),
+]
+Resample = Annotated[
+    float | None, typer.Option(help="Interpolate uneven times to so many rows a second.", metavar="HZ")
+]
 
 ENV = Annotated[
     str | None,

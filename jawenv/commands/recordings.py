@@ -5,38 +5,23 @@ from __future__ import annotations
 import importlib
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from jawenv.anatomy import MUSCLE_NAMES
 from jawenv.base.errors import InputError, MissingPackageError
 from jawenv.base.files import check_kept, write_text
-from jawenv.commands.answer import (
-    UNKNOWN,
-    as_mapping,
-    assumed_in_words,
-    at_the_edge,
-    doubts_in_words,
-    enough_in_words,
-    judgements,
-    least_known,
-)
+from jawenv.commands.answer import UNKNOWN, as_mapping, assumed_in_words, doubts_in_words, print_belief
 from jawenv.metrics.calibration import YELLOW, alarm_word
-from jawenv.metrics.verdicts import NO_VERDICT, OPEN, Verdict
+from jawenv.recordings.clocks.delay import in_time
 from jawenv.recordings.files import load_record
-from jawenv.recordings.identification import Identification
 from jawenv.recordings.plausibility import findings
-from jawenv.recordings.record import Record
 from jawenv.recordings.stretcher.log import is_log
 from jawenv.recordings.table import checked_path, read_table
 from jawenv.recordings.untold.learnt import identified_with_errors
 from jawenv.recordings.words import WORDS
 
 NOT_BELIEVABLE = 3
-SD_95 = 1.96
-BLOCKS = {"F_o": "pull of the closed jaw F_o, N", "b": "stiffening b, no unit"}
 
 
 def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: Path | None = None) -> int:
@@ -56,7 +41,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
         from jawenv.commands.stretcher import identify_log
 
         return identify_log(table, reading, page, answer)
-    write_page = None if page is None else _page_writer()
+    write_page = None if page is None else page_writer()
     for output in (page, answer):
         if output is not None:
             check_kept(output, [path, reading.get("columns")])
@@ -66,25 +51,23 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
+    record, delay = in_time(record)
     result, last = identified_with_errors(record)
+    if delay.too_late:
+        result = replace(result, rival=f"{delay}")
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
     fitted = result.rows - result.refused
     print(f"rows:    {result.rows:,} read, {fitted:,} fitted, {result.refused:,} refused by the filter's gate")
     print(f"numbers: {result.numbers:,} read, {result.left_out:,} left out (out of range, or of a frozen sensor)")
     print(f"assumed: {assumed_in_words(record)}")
+    print(f"clocks:  {delay}")
     word = alarm_word(result.misfit).replace("rings", "RINGS")
     print(f"alarm:   {word}, misfit {result.misfit:.3g} (yellow above {YELLOW:g}, it rings above 1)\n")
-    _print_estimates(record, result)
-    weakest, edge = least_known(record, result), at_the_edge(record, result)
-    print(f"least known: {weakest['words']}, sd {weakest['sd']:.1%} (before: {weakest['prior_sd']:.0%})")
-    print(f"enough recorded: {enough_in_words(result)}")
-    if edge:
-        print(f"at the edge of what was assumed: {', '.join(edge)}")
-    _print_muscles(record, result)
+    print_belief(record, result)
     if write_page is not None:
         print(f"\npage: {write_page(record, result, last, path, page, assumed_in_words(record))}")
     if answer is not None:
-        write_text(answer, json.dumps(as_mapping(record, result), indent=1) + "\n")
+        write_text(answer, json.dumps(as_mapping(record, result) | {"forces_late_s": delay.seconds}, indent=1) + "\n")
         print(f"\nanswer: {answer}")
     if not result.believable:
         print("\nNOT TO BE BELIEVED:", flush=True)
@@ -105,41 +88,7 @@ def check(path: Path, reading: Mapping[str, Any]) -> int:
     return 0 if all(finding.plausible for finding in checks) else NOT_BELIEVABLE
 
 
-def _print_estimates(record: Record, result: Identification) -> None:
-    mean, sd = result.estimate.mean[-1], result.estimate.sd[-1]
-    print(f"{'':32}{'estimate':>10}{'sd':>9}{'' if record.truth is None else 'truth':>9}".rstrip())
-    for symbol, title in BLOCKS.items():
-        print(title)
-        for i, name in enumerate(record.parameter_names):
-            if name.startswith(f"log_{symbol}/"):
-                truth = "" if record.truth is None else f"{np.exp(record.truth[i]):9.2f}"
-                print(f"{name.removeprefix('log_'):32}{np.exp(mean[i]):10.2f}{100.0 * sd[i]:7.1f} %{truth}")
-
-
-def _print_muscles(record: Record, result: Identification) -> None:
-    """The verdict on every muscle, left beside right, with the ratio of their pulls."""
-    found = judgements(record, result)
-    if not found:
-        return
-    mean, cov = result.estimate.mean[-1], result.estimate.cov[-1]
-    print(f"\n{'':18}{'left':33}{'right':33}F_o left : right, 95 %")
-    for kind in dict.fromkeys(name.rsplit("_", 1)[0] for name in MUSCLE_NAMES):
-        left, right = (MUSCLE_NAMES.index(f"{kind}_{side}") for side in ("left", "right"))
-        words = [_in_words(found[left]), _in_words(found[right])]
-        ratio = mean[2 * left] - mean[2 * right]
-        pair = [2 * left, 2 * right]
-        reach = SD_95 * np.sqrt(np.array([1.0, -1.0]) @ cov[np.ix_(pair, pair)] @ np.array([1.0, -1.0]))
-        low, high = np.exp(ratio - reach), np.exp(ratio + reach)
-        print(f"{kind:18}{words[0]:33}{words[1]:33}{np.exp(ratio):.3g} ({low:.3g} to {high:.3g})")
-
-
-def _in_words(verdict: Verdict) -> str:
-    if verdict.word in (NO_VERDICT, *OPEN):
-        return verdict.word
-    return f"{verdict.word}, {'above 99.9' if verdict.probability > 0.999 else f'{100.0 * verdict.probability:.3g}'} %"
-
-
-def _page_writer() -> Any:
+def page_writer() -> Any:
     """The writer of a patient's page, which a clone of the project has and the wheel has not."""
     try:
         return importlib.import_module("eval.patient.recordings").write_page

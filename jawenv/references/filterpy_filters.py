@@ -61,7 +61,7 @@ class _Unscented(UnscentedKalmanFilter):  # type: ignore[misc]
     """filterpy's filter with a model's motion."""
 
     def __init__(self, model: MotionModel, alpha: float) -> None:
-        points = MerweScaledSigmaPoints(model.size, alpha, BETA, KAPPA, sqrt_method=symmetric_root)
+        points = MerweScaledSigmaPoints(model.size, alpha, BETA, KAPPA, sqrt_method=_symmetric_root)
         super().__init__(
             model.size, N_MEASUREMENTS, model.record.dt, model.expected, lambda x, _: model.moved(x), points
         )
@@ -83,7 +83,7 @@ class _Unscented(UnscentedKalmanFilter):  # type: ignore[misc]
         self.P = 0.5 * (self.P + self.P.T)
 
 
-def symmetric_root(P: Array) -> Array:
+def _symmetric_root(P: Array) -> Array:
     """U with U^T U = P, by the eigenvectors of the correlations; what is negative of them by rounding counts as zero.
 
     A Cholesky factor does not exist where a coordinate is held or the gain error known, and fails where rounding makes

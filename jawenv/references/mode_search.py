@@ -86,11 +86,11 @@ class ModeSearch:
 
     def _search(self, run: FilterRun, end: int, modes: Any) -> None:
         """Replace the ``modes`` of the last window by those of the rows up to ``end``."""
-        starts = search_starts(modes, run.settings["prior_mean"], run.settings["prior_sd"])
+        starts = _search_starts(modes, run.settings["prior_mean"], run.settings["prior_sd"])
         search(run.arguments, end, starts, PASSES, SMALL_STEP, modes)
 
 
-def search_starts(modes: NDArray[np.void], prior_mean: Array, prior_sd: Array) -> Array:
+def _search_starts(modes: NDArray[np.void], prior_mean: Array, prior_sd: Array) -> Array:
     """(S, p) where to begin: the densest modes, the prior's mean, and the densest mode bent either way."""
     number = int(modes["number"])
     order = np.argsort(-modes["density"][:number])[:RESTARTS]
@@ -112,7 +112,7 @@ def _windows(record: Record, ends: NDArray[np.int_]) -> NDArray[np.int_]:
     return np.asarray(window_ends[window_ends <= ends[-1]], dtype=np.int_)
 
 
-def leaves_pose_open(record: Record) -> bool:
+def _leaves_pose_open(record: Record) -> bool:
     """Whether a tick measures fewer pose components than there are free coordinates: several motions may fit."""
     finite = np.isfinite(record.measured)
     pose_readings = finite.any(axis=1).mean() * finite[:, : N_MEASUREMENTS // 2].any(axis=0).sum()
@@ -130,7 +130,7 @@ def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tup
     run = FilterRun(record)
     modes = record_zeros(1, modes_dtype(len(start)))[0]
     starts = np.array(start)[None]
-    if leaves_pose_open(record):
+    if _leaves_pose_open(record):
         starts = np.vstack([starts, ModeSearch().estimate(record).mean])
     search(run.arguments, run.last, starts, PASSES, small_step, modes)
     return mixture_moments(modes)
@@ -163,7 +163,7 @@ def settle(run: Arguments, tick, parameters, passes, small_step, modes: Modes):
         The logarithm of the density there, and False where it comes to a mode that is kept, or is no number.
     """
     belief, origin, share = run.belief, parameters.copy(), 1.0
-    reached = filter_at(run, tick, parameters)
+    reached = _filter_at(run, tick, parameters)
     goal = belief.mean.copy()
     density, step_length = reached, distance(belief, origin)
     for _ in range(passes - 1):
@@ -172,7 +172,7 @@ def settle(run: Arguments, tick, parameters, passes, small_step, modes: Modes):
         if nearest_mode(modes, belief)[1] < SAME:
             return reached, False
         parameters[:] = origin + share * (goal - origin)
-        reached = filter_at(run, tick, parameters)
+        reached = _filter_at(run, tick, parameters)
         next_length = distance(belief, parameters)
         if next_length < step_length or reached > density + DENSITY_GAIN:
             origin[:] = parameters
@@ -184,7 +184,7 @@ def settle(run: Arguments, tick, parameters, passes, small_step, modes: Modes):
 
 
 @njit
-def filter_at(run: Arguments, tick, parameters):
+def _filter_at(run: Arguments, tick, parameters):
     """Filter rows 0 to ``tick``, linearised at ``parameters`` (p), and update the belief from the prior.
 
     Returns the logarithm of the posterior's density there, but for a constant; NaN where the filter diverges.

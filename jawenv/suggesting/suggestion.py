@@ -89,7 +89,7 @@ def suggest(
     Args:
         record: of the whole midline jaw, as ``load_record`` gives it.
         seconds: length of the next recording, 2 to 30.
-        search: steps down the gradient of the twin from the policy's movement on, which take about two seconds each;
+        search: steps down the gradient of the twin from the policy's movement on, which take about five seconds each;
             what it finds is suggested where more is expected of it.
         asked: the muscle whose error bars count, or a word of several, as `left`; all by default.
         told: called with what goes on, in words.

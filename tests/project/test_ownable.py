@@ -63,13 +63,13 @@ LEAVES = {
         ("jawenv/commands/answer.py",),
         ("jawenv/commands/recordings.py",),
         ("tests/commands/test_answer.py",),
-        ("suggest",),
+        ("suggest", "several recordings", "doctor"),
     ),
     "plausibility": Leaf(
         ("jawenv/recordings/plausibility.py",),
         ("jawenv/commands/recordings.py", "jawenv/recordings/identification.py"),
         ("tests/recordings/test_identification.py",),
-        ("trackers",),
+        ("trackers", "doctor"),
     ),
     "thesis": Leaf(("eval/thesis/*",), (EVAL,), ("tests/eval/thesis",)),
     "benchmark": Leaf(
@@ -88,7 +88,22 @@ LEAVES = {
         ("jawenv/recordings/untold/*",),
         ("jawenv/commands/recordings.py", "jawenv/metrics/score.py"),
         ("tests/recordings/untold",),
-        ("patient's page", "suggest"),
+        ("patient's page", "suggest", "several recordings", "clocks"),
+    ),
+    "several recordings": Leaf(
+        ("jawenv/recordings/several/*", "jawenv/commands/several.py"),
+        (JAWENV,),
+        ("tests/recordings/several",),
+        ("patient's page",),
+    ),
+    "clocks": Leaf(
+        ("jawenv/recordings/clocks/*",),
+        ("jawenv/commands/recordings.py",),
+        ("tests/recordings/clocks",),
+        ("several recordings", "doctor"),
+    ),
+    "doctor": Leaf(
+        ("jawenv/recordings/doctor/*", "jawenv/commands/doctor.py"), (JAWENV,), ("tests/recordings/doctor",)
     ),
     "stretcher's logs": Leaf(
         ("jawenv/recordings/stretcher/*", "jawenv/commands/stretcher.py"),

@@ -11,7 +11,7 @@ from jawenv.references.extended_kalman import ExtendedKalman
 from jawenv.references.filterpy_filters import (
     FilterpyExtendedKalman,
     FilterpyUnscentedKalman,
-    symmetric_root,
+    _symmetric_root,
 )
 from jawenv.references.initial import parameter_noise
 
@@ -130,5 +130,5 @@ def test_the_unscented_filter_on_an_uncertain_patient(record):
 def test_the_symmetric_root(rng):
     factor = rng.normal(size=(5, 3)) * np.array([1e-6, 1.0, 0.0, 1e3, 1.0])[:, None]
     P = factor @ factor.T
-    U, scale = symmetric_root(P), np.array([1e-6, 1.0, 1.0, 1e3, 1.0])
+    U, scale = _symmetric_root(P), np.array([1e-6, 1.0, 1.0, 1e3, 1.0])
     np.testing.assert_allclose((U.T @ U) / np.outer(scale, scale), P / np.outer(scale, scale), atol=1e-12)

@@ -37,7 +37,7 @@ class Search:
 
     def at(self, parameters):
         """The density of ``parameters``; the belief becomes what the record says about them."""
-        return mode_search.filter_at(self.run.arguments, self.run.last, parameters)
+        return mode_search._filter_at(self.run.arguments, self.run.last, parameters)
 
     def from_starts(self, starts, small_step=0.01):
         mode_search.search(self.run.arguments, self.run.last, starts, mode_search.PASSES, small_step, self.modes)
@@ -121,14 +121,14 @@ def test_a_search_begins_at_the_modes_the_prior_and_bent_ones(record):
     modes = np.zeros(1, dtype=modes_dtype(12))[0]
     modes["number"], modes["density"][:3] = 3, [2.0, 5.0, 1.0]
     modes["mean"][:3] = mean + np.outer([1.0, 0.3, -1.0], sd)
-    starts = (mode_search.search_starts(modes, mean, sd) - mean) / sd
+    starts = (mode_search._search_starts(modes, mean, sd) - mean) / sd
     for row, expected in zip(starts[:4], [0.3, 1.0, -1.0, 0.0], strict=True):
         np.testing.assert_allclose(row, expected, atol=1e-9)
     apart = mode_search.START_OFFSET
     bend = np.where(np.arange(12) % 2 == 0, np.where(np.arange(12) < 6, apart, -apart), 0.0)
     np.testing.assert_allclose(starts[4:], 0.3 + np.array([bend, -bend]), atol=1e-9)
     modes["number"] = 0
-    assert len(mode_search.search_starts(modes, mean, sd)) == 3
+    assert len(mode_search._search_starts(modes, mean, sd)) == 3
 
 
 @pytest.mark.parametrize(
@@ -145,12 +145,12 @@ def test_the_pose_is_open_where_there_are_fewer_readings_than_coordinates(env_id
     played = jawenv.play(
         load_agent("hold_still", control="force"), patients=1, seed=5000, env_id=env_id, env_kwargs=kwargs
     )
-    assert mode_search.leaves_pose_open(played.records[0]) is expected
+    assert mode_search._leaves_pose_open(played.records[0]) is expected
 
 
 @pytest.mark.parametrize(("every", "expected"), [(1, False), (2, True), (5, True)])
 def test_slow_encoders_leave_the_pose_open(record, every, expected):
-    assert mode_search.leaves_pose_open(divided(thinned(record, every), every)) is expected
+    assert mode_search._leaves_pose_open(divided(thinned(record, every), every)) is expected
 
 
 def test_windows_grow_by_a_quarter_and_end_where_asked(record):

@@ -102,5 +102,5 @@ def test_there_is_room_for_a_mode_of_every_start():
     """Those of a search are the modes kept, the prior's mean and two bent ones; a kernel would write past the end."""
     modes = Modes().modes
     modes["number"], modes["density"] = MAX_MODES, np.arange(MAX_MODES)
-    starts = mode_search.search_starts(modes, np.zeros(P), np.ones(P))
+    starts = mode_search._search_starts(modes, np.zeros(P), np.ones(P))
     assert len(starts) == mode_search.RESTARTS + 3 <= MAX_MODES

@@ -7,7 +7,7 @@ import pytest
 
 from training.cli import main
 from training.run.config import TrainingConfig
-from training.run.plot import _grouped, _stacked, mean_and_interval
+from training.run.plot import _grouped, _mean_and_interval, _stacked
 
 HEADER = "steps,return,worst_sd,worst_sd_10s,discomfort_s"
 
@@ -38,6 +38,6 @@ def test_seeds_of_a_run_are_one_curve_as_far_as_all_have_come(runs: list[Path]) 
 
 
 def test_interval_is_students() -> None:
-    mean, half = mean_and_interval(np.array([[1.0], [2.0], [3.0]]))
+    mean, half = _mean_and_interval(np.array([[1.0], [2.0], [3.0]]))
     assert mean[0] == 2.0 and half[0] == pytest.approx(4.30265 / np.sqrt(3), rel=1e-5)
-    assert np.isnan(mean_and_interval(np.array([[1.0]]))[1]).all()
+    assert np.isnan(_mean_and_interval(np.array([[1.0]]))[1]).all()

@@ -72,7 +72,7 @@ def figure(groups: dict[str, list[Table]]) -> Figure:
     return picture
 
 
-def mean_and_interval(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _mean_and_interval(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mean (T,) of curves (S, T) over seeds and the half width (T,) of Student's 95 % interval of it; NaN for S = 1."""
     from scipy.stats import t
 
@@ -115,7 +115,7 @@ def _stacked(tables: list[Table], column: str, factor: float) -> tuple[NDArray[n
 
 
 def _curve(axes: Axes, name: str, steps: NDArray[np.float64], values: NDArray[np.float64]) -> None:
-    mean, half_width = mean_and_interval(values)
+    mean, half_width = _mean_and_interval(values)
     label = name if len(values) == 1 else f"{name} ({len(values)} seeds)"
     (line,) = axes.plot(steps, mean, label=label)
     if len(values) > 1:

@@ -100,6 +100,15 @@ def mixture(blocks: Blocks, temperature: float) -> Mixture:
     return Mixture(mean, 0.5 * (cov + cov.T), weights, *best)
 
 
+def evidence(blocks: Blocks) -> float:
+    """Logarithm of the probability of the readings, all unknowns of the sizes that were told integrated out."""
+    told = float(blocks.told_scan)
+    sizes = np.tile([told, blocks.told_wrench, blocks.told_wrench, 0.0], (len(LAWS), 1))
+    information, score, gained = (part[:1] for part in _about_tensions(blocks, 1.0, sizes))
+    heights = _most_probable(blocks, information, score, blocks.point[None])[2]
+    return float(blocks.height + gained[0] + heights[0])
+
+
 def _beforehand(sizes: Array) -> Array:
     """(N,) logarithms of the weights before anything is read; a wrench that the filter was told of is learnt too."""
     weights = np.zeros(len(sizes))

@@ -35,6 +35,8 @@ MOST_BLOCKS = 600  # of a recording: those of an hour would fill the memory, so 
 _WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
 _MOST_PASSES, _CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
 _N_CONSTANT = len(WRENCH_UNITS)
+_OF_A_SESSION = ("gravity", "tone", "mouthpiece", "offset", "turn", "cell_turn", "of_motors", "again")
+"""What moves one of these is drawn anew with each mounting; all else is the patient's own."""
 N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
 
@@ -48,7 +50,9 @@ class Blocks:
 
     information: Array  # (B, n, n)
     score: Array  # (B, n)
+    height: float  # the log-likelihood where all columns are 0, but for a number that is the same for all forces
     poses: Array  # (B, 5) at their ends
+    own: NDArray[np.bool_]  # (n - c,) which columns behind the tensions are the patient's own
     gain_sd: float  # of the load cell's gain error
     told_scan: bool  # whether the filter knew of the other unknowns: then their sds are those that it has
     told_wrench: float  # sd of the wrench that it knew of, N
@@ -119,15 +123,17 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     every = max(1, round(BLOCK_S / record.dt), -(-len(record.samples) // MOST_BLOCKS))
     columns = len(steps)
     count = len(record.samples) // every
-    kept = np.zeros((count, columns, columns)), np.zeros((count, columns)), np.zeros((count, 5))
+    kept = np.zeros((count, columns, columns)), np.zeros((count, columns)), np.zeros((count, 5)), np.zeros(count)
     _pass_through(jaw, belief, rows, settings, scratch, (mean.copy(), steps), every, kept)
     information = np.triu(kept[0]) + np.swapaxes(np.triu(kept[0], 1), 1, 2)
     information = np.diff(information[:, order][:, :, order], axis=0, prepend=0.0)
-    score = np.diff(kept[1][:, order], axis=0, prepend=0.0)
+    score = np.diff(kept[1][:, order], axis=0, prepend=0.0) + information @ steps[order]
     return Blocks(
         information=information,
-        score=score + information @ steps[order],
+        score=score,
+        height=_at_zero(kept[3], information, score, steps[order]),
         poses=kept[2],
+        own=_own(nuisances)[order[muscles * N_NODES :] - muscles * N_NODES],
         gain_sd=float(np.sqrt(settings["gain_variance"])),
         told_scan=not record.knowledge.exact,
         told_wrench=record.knowledge.wrench_N,
@@ -139,6 +145,13 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     )
 
 
+def _at_zero(heights: Array, information: Array, score: Array, steps: Array) -> float:
+    """The log-likelihood where all columns are 0, from that at ``steps``, the last of the sums ``heights``."""
+    if not len(heights):
+        return 0.0
+    return float(heights[-1] - score.sum(axis=0) @ steps + 0.5 * steps @ information.sum(axis=0) @ steps)
+
+
 def _settings(record: Record) -> tuple[Any, bool]:
     """The filter's settings with a wrench of 1 N, and a scan's unknowns where it was told of none; whether it was."""
     told = not record.knowledge.exact
@@ -148,6 +161,12 @@ def _settings(record: Record) -> tuple[Any, bool]:
         own = settings_of_record(record)
         settings["doubt"], settings["whole"] = own["doubt"], own["whole"]
     return settings, told
+
+
+def _own(nuisances: Any) -> NDArray[np.bool_]:
+    """(1 + nuisances,) whether the gain, which is not, and each of these is the patient's own."""
+    parts = [np.abs(nuisances[name]).reshape(len(nuisances["mass"]), -1).max(axis=1) for name in _OF_A_SESSION]
+    return np.append(False, np.max(parts, axis=0) == 0.0)
 
 
 def _order(tensions: int, nuisances: Any) -> NDArray[np.intp]:
@@ -164,10 +183,12 @@ def _pass_through(
 ) -> None:
     """Filter ``rows`` about a fixed ``point``: natural logs, and all columns as steps from 0.
 
-    After ``every`` ticks information, score and pose go to the arrays ``kept``, as sums from the first reading on.
+    After ``every`` ticks information, score, pose and log-likelihood go to the arrays ``kept``, as sums from the first
+    reading on.
     """
     mean, steps = point
-    information, score, poses = kept
+    information, score, poses, heights = kept
+    height, before = 0.0, np.zeros(steps.shape[0])
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     begin_filter(jaw, belief, belief.began, settings)
     belief.mean[:] = mean
@@ -182,10 +203,28 @@ def _pass_through(
     begin_motion(belief, belief.began, settings.start_sd)
     forget_readings(belief)
     for k in range(rows.shape[0]):
+        before[:] = belief.score
         take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
+        height += _height(belief, before, scratch)
         if k > 0 and k % every == 0 and k // every <= information.shape[0]:
             block = k // every - 1
             information[block] = belief.information
             score[block] = belief.score
+            heights[block] = height
             for i in range(5):
                 poses[block, i] = belief.motion[i]
+
+
+@njit
+def _height(belief: Belief, before, scratch: FilterScratch):
+    """Log-density of the tick's readings, by the weight with which they were added to the score ``before``."""
+    update, pulled, length, density = scratch.update, 0.0, 0.0, 0.0
+    for j in range(before.shape[0]):
+        pull = 0.0
+        for i in range(update.whitened_innovation.shape[0]):
+            pull += update.by_tension_rows[i, j] * update.whitened_innovation[i]
+        pulled += pull * (belief.score[j] - before[j])
+        length += pull * pull
+    for i in range(update.whitened_innovation.shape[0]):
+        density += 0.5 - 0.5 * update.whitened_innovation[i] ** 2
+    return pulled / length * density if length > 0.0 else 0.0

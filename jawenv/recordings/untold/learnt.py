@@ -55,17 +55,17 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
     blocks = blocks_of(record, mean)
     if len(blocks.score) < _FEWEST or not np.isfinite(blocks.information).all():
         return None
-    found, temperature, spread = _weighed(blocks)
+    found, temperature, spread = weighed(blocks)
     if np.abs(found.best - blocks.point).max() > _MOVED:
         values = joint_of(blocks, found.best, found.sizes, temperature).values
         blocks = blocks_of(record, found.best, values[blocks.tensions :])
-        found, temperature, spread = _weighed(blocks)
+        found, temperature, spread = weighed(blocks)
     if found.bend(blocks) <= _BENT:
         mean, cov = found.mean, spread * found.cov
     return Learnt(mean, cov, found.sizes, shown(blocks, found, temperature), found.rival(blocks, mean, cov))
 
 
-def _weighed(blocks: Blocks) -> tuple[Mixture, float, float]:
+def weighed(blocks: Blocks) -> tuple[Mixture, float, float]:
     """The mixture, its temperature, and a factor of its covariance where parts do not agree after all rounds."""
     temperature = 1.0
     for _ in range(_ROUNDS):

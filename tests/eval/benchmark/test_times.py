@@ -7,7 +7,7 @@ import pytest
 
 from eval.benchmark.tasks import TASKS
 from eval.kept.entries import load_entry
-from eval.rows.times import Times, restricted, within_for_good
+from eval.rows.times import Times, _within_for_good, restricted
 from jawenv.base.errors import InputError
 from tests.metrics.linear_gaussian import linear_gaussian
 
@@ -32,7 +32,7 @@ def test_the_last_time_outside_counts_and_not_the_first_within(recording):
     off(recording, 0, slice(0, 3), 2.0)
     off(recording, 0, 5, 1.2)
     off(recording, 1, -1, 0.5)
-    found = within_for_good(recording, 0.10)
+    found = _within_for_good(recording, 0.10)
     assert found.tolist() == [time[6], np.inf, 0.0]
     assert restricted(found, 30.0).tolist() == [time[6], 30.0, 0.0]
 
@@ -41,19 +41,19 @@ def test_the_error_is_relative_to_the_truth_and_not_to_its_logarithm(recording):
     off(recording, 0, slice(0, 4), 1.0999)
     off(recording, 1, slice(0, 4), 1.1001)
     off(recording, 2, slice(0, 4), 0.901)
-    assert within_for_good(recording, 0.10).tolist() == [0.0, recording.time[4], 0.0]
-    assert within_for_good(recording, 0.05).tolist() == [recording.time[4]] * 3
+    assert _within_for_good(recording, 0.10).tolist() == [0.0, recording.time[4], 0.0]
+    assert _within_for_good(recording, 0.05).tolist() == [recording.time[4]] * 3
 
 
 def test_what_the_filter_claims_does_not_count(recording):
     vague = replace(recording, belief_cov=1e4 * recording.belief_cov)
-    assert within_for_good(vague, 0.05).tolist() == [0.0, 0.0, 0.0]
+    assert _within_for_good(vague, 0.05).tolist() == [0.0, 0.0, 0.0]
 
 
 def test_a_crossed_limit_and_an_early_end_count_as_never(recording):
     recording.violation[0, 3] = True
     recording.terminated[1] = True
-    assert within_for_good(recording, 0.05).tolist() == [np.inf, np.inf, 0.0]
+    assert _within_for_good(recording, 0.05).tolist() == [np.inf, np.inf, 0.0]
 
 
 def test_what_is_not_asked_for_does_not_count(recording):
@@ -61,7 +61,7 @@ def test_what_is_not_asked_for_does_not_count(recording):
     asked = np.ones_like(recording.asked)
     asked[:2, 1] = False
     off(recording, 2, -1, 2.0)
-    assert within_for_good(replace(recording, asked=asked), 0.05).tolist() == [0.0, 0.0, np.inf]
+    assert _within_for_good(replace(recording, asked=asked), 0.05).tolist() == [0.0, 0.0, np.inf]
 
 
 def test_above_the_limit_of_comfort_nothing_is_found():
@@ -78,4 +78,4 @@ def test_above_the_limit_of_comfort_nothing_is_found():
 
 def test_a_share_above_zero_is_wanted(recording):
     with pytest.raises(InputError):
-        within_for_good(recording, 0.0)
+        _within_for_good(recording, 0.0)

@@ -7,7 +7,7 @@ import pytest
 from eval.commands.app import main
 from eval.kept import entries
 from eval.kept.tables import read_table
-from eval.rows.gains import law_of
+from eval.rows.gains import _law_of
 from jawenv.envs.configuration import Configuration
 from jawenv.inference import patient_law
 
@@ -30,9 +30,9 @@ def play(output, *arguments):
 def few_draws(monkeypatch):
     of = patient_law.PatientLaw.of
     monkeypatch.setattr(patient_law.PatientLaw, "of", lambda *given, **kwargs: of(*given, **kwargs, draws=300))
-    law_of.cache_clear()
+    _law_of.cache_clear()
     yield
-    law_of.cache_clear()
+    _law_of.cache_clear()
 
 
 def test_a_row_per_design_and_patient(tmp_path, plays, capsys):
@@ -63,7 +63,7 @@ def test_the_bound_of_the_belief_is_the_true_information_from_the_law_on(tmp_pat
     monkeypatch.setattr(entries, "play", keep)
     assert play(tmp_path, "refined", "--contrasts", "0") == 0
     rows = read_table(tmp_path / "patients.parquet")[0]
-    law = law_of(Configuration.from_mapping({"env": "hinge"}))
+    law = _law_of(Configuration.from_mapping({"env": "hinge"}))
     prior = kept[0]
     for i, row in rows[:5].iterrows():
         z = (prior.truth[i] - prior.prior_mean) / prior.prior_sd

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import jawenv
-from eval.patient.belief import KnownPatient, PatientBelief, combined
+from eval.patient.belief import KnownPatient, PatientBelief
 from jawenv.anatomy import Prior
+from jawenv.recordings.several.together import combined
 
 
 def normal_update(mean, cov, design, data):
@@ -27,7 +28,7 @@ def test_a_normal_likelihood_is_handed_on_exactly_whatever_the_working_prior(rng
     designs = [rng.normal(size=(count, size)) for count in (1, 3, 9)]
     data = [rng.normal(size=len(design)) for design in designs]
     filtered = [normal_update(working.mean, np.diag(working.sd**2), *each) for each in zip(designs, data, strict=True)]
-    mean, cov = combined(before, working, *(np.array(part) for part in zip(*filtered, strict=True)))
+    mean, cov = combined((before.mean, before.cov), working, *(np.array(part) for part in zip(*filtered, strict=True)))
     for i, each in enumerate(zip(designs, data, strict=True)):
         expected = normal_update(before.mean, before.cov, *each)
         np.testing.assert_allclose(mean[i], expected[0], rtol=1e-7, atol=1e-9)

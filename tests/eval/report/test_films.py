@@ -6,7 +6,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from eval.comparison.motion import beginning, frame_of
+from eval.comparison.motion import _frame_of, beginning
 from eval.comparison.ranking import rank
 from eval.report import films
 from jawenv.ladder import MODELS
@@ -17,7 +17,7 @@ from tests.rendering.jaw_scenes import differ, scene
 
 def motion(*shown, every_s=0.2):
     made = beginning(shown[0], "targets")
-    frames = [frame_of(each, np.zeros(4)) for each in shown]
+    frames = [_frame_of(each, np.zeros(4)) for each in shown]
     made["frames"] = {name: [frame[name] for frame in frames] for name in frames[0]}
     made["frames"]["time_s"] = [every_s * i for i in range(len(shown))]
     return made

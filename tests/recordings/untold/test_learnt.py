@@ -57,6 +57,7 @@ def blocks(rng):
         information=np.swapaxes(rows, 1, 2) @ rows,
         score=np.einsum("bri,br->bi", rows, read),
         poses=rng.normal(size=(count, 5)),
+        own=np.zeros(columns - 30, dtype=bool),
         gain_sd=0.01,
         told_scan=True,
         told_wrench=0.0,

@@ -1,0 +1,1 @@
+"""Two clocks of one recording: how late its forces are."""

@@ -1,0 +1,1 @@
+"""Several recordings of one patient: one belief, and whether they agree."""

@@ -1,0 +1,41 @@
+"""What a bench has wrong is named, with what mends it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jawenv.commands.app import main
+from jawenv.recordings.clocks.delay import _shifted
+from jawenv.recordings.doctor.examination import examined
+from tests.recordings.several.test_together import played, saved
+
+
+def faulty(fault):
+    record = played(0, "refined")
+    samples, measured = record.samples.copy(), record.measured.copy()
+    if fault == "zero":
+        samples[..., 1] += 1.0
+    if fault == "frame":
+        samples = samples[..., [2, 1, 0, 5, 4, 3]] * np.array([1.0, 1.0, -1.0, 1.0, 1.0, -1.0])
+    if fault == "teeth":
+        measured[:, 2] -= 0.02
+    changed = replace(record, samples=-samples if fault == "sign" else samples, measured=measured)
+    if fault == "clocks":
+        return _shifted(changed, -0.05)
+    return replace(changed, time=2.0 * changed.time) if fault == "rate" else changed
+
+
+@pytest.mark.parametrize("fault", ["zero", "sign", "frame", "rate", "clocks", "teeth"])
+def test_a_fault_is_named_and_mended(fault):
+    named = {check.what: check for check in examined(faulty(fault)) if not check.fine}
+    assert fault in named and named[fault].mend
+
+
+def test_the_command_prints_each_check(tmp_path, capsys):
+    assert main(["doctor", saved(faulty(""), tmp_path / "fine.csv")]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split()[1] for line in said] == ["rate", "sign", "frame", "zero", "clocks", "teeth"]
+    assert main(["doctor", saved(faulty("rate"), tmp_path / "rate.csv")]) == 3
+    said = capsys.readouterr().out
+    assert "LOOK AT rate" in said and "times of 100 Hz" in said and "mend:" in said
