@@ -21,7 +21,7 @@ from jawenv.anatomy import cohort
 from jawenv.base.seeds import REPORTS
 from jawenv.playing.agents import Array
 from jawenv.suggesting.search import searched_actions
-from jawenv.suggesting.suggestion import as_patient, drawn_from, suggested_actions
+from jawenv.suggesting.suggestion import as_patient, drawn_from, seeds_of, suggested_actions
 
 _FIRST, _OTHERS, _DRAWS = "slow_opening", ("refined_one_sided", "slow_opening"), 8
 _ANOTHER, _SEARCHED, _BUDGET_S = "another's", "suggested after the search", 1.0 / 30.0
@@ -63,7 +63,7 @@ class _Played(NamedTuple):
 
 
 def _play(agent: Any, patients: list[Any], seed: int, world: dict[str, Any]) -> _Played:
-    recording = jawenv.play(agent, patients=patients, seed=seed, env_kwargs=world)
+    recording = jawenv.play(agent, patients=patients, seed=seeds_of(patients, world, seed), env_kwargs=world)
     precision: Array = np.linalg.inv(recording.belief_cov[:, -1]).astype(np.float64)
     prior = _Belief(recording.prior_mean + np.zeros_like(recording.truth), np.diag(recording.prior_sd**-2.0)[None])
     return _Played(_Belief(recording.belief_mean[:, -1], precision), prior, jawenv.score(recording).discomfort_s)
@@ -87,7 +87,7 @@ def _movements(first: _Played, world: dict[str, Any], arguments: argparse.Namesp
     if arguments.search:
         rows = _drawn(first.belief, arguments.seed)
         patients = [as_patient(row) for row in rows.reshape(-1, rows.shape[-1])]
-        found = searched_actions(actions, patients, *first.belief, world, arguments.search)
+        found = searched_actions(actions, patients, seeds_of(patients, world), *first.belief, world, arguments.search)
         movements |= {_SEARCHED: Replay(_SEARCHED, found, hz)}
     return movements
 

@@ -19,6 +19,7 @@ from jawenv.playing.maneuvers.maneuver import action_of, goals_of
 def searched_actions(
     actions: Array,
     patients: list[Patient],
+    seeds: list[int],
     mean: Array,
     precision: Array,
     world: dict[str, Any],
@@ -30,6 +31,7 @@ def searched_actions(
     Args:
         actions: (N, T, 4) that it begins with.
         patients: N groups of equal size, of whom each movement is made; those of a group side by side.
+        seeds: one for each patient.
         mean: (N, 12) parameters that the recordings believe in.
         precision: (N, 12, 12) of the same, with the prior's.
         world: arguments of the environment.
@@ -47,7 +49,7 @@ def searched_actions(
             "(.ci/setup train)"
         ) from None
     env: Any = gym.make_vec(DEFAULT_ENV, len(patients), **world, autoreset_mode="disabled")
-    env.reset(seed=0, options={"patients": patients})
+    env.reset(seed=seeds, options={"patients": patients})
     simulation = env.unwrapped.simulation
     treated = constants.Patients.of_worlds(simulation.worlds)
     twin, known = constants.Twin(simulation), (mean, precision)

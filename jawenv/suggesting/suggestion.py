@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import gymnasium as gym
 import numpy as np
 
 from jawenv.anatomy import MUSCLE_NAMES, Patient
@@ -18,6 +19,7 @@ from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
 from jawenv.envs.asked import RANDOM, asked_muscles, checked_asked
 from jawenv.inference.treatable import treatable
+from jawenv.ladder import DEFAULT_ENV
 from jawenv.metrics import score
 from jawenv.playing.agents import Array, Mask
 from jawenv.playing.maneuvers import Maneuver, Player
@@ -37,6 +39,8 @@ _DRAWS = 16
 """Patients from the belief, for what is expected."""
 _BUDGET = 1.0 / 300.0
 """Discomfort that the device keeps, share of the time."""
+_TRIES, _APART = 20, 1000
+"""Seeds of a patient, and from one to the next."""
 _TIMES_S = 0.2
 """Between the points of the maneuver."""
 
@@ -129,7 +133,11 @@ def suggest(
     told("playing its estimates")
     actions = [suggested_actions([as_patient(mean, model[1])], world)]
     if search:
-        actions.append(searched_actions(actions[0], patients, mean[None], known[None], world, search, told))
+        actions.append(
+            searched_actions(
+                actions[0], patients, seeds_of(patients, world), mean[None], known[None], world, search, told
+            )
+        )
     told(f"playing {_DRAWS} patients from the belief")
     maneuvers = [*(_written_down(one[0], seconds) for one in actions), Maneuver.named(BESIDE)]
     *expected, beside = (_expected(Player(one), patients, world, known, counted) for one in maneuvers)
@@ -160,6 +168,34 @@ def drawn_from(means: Array, covs: Array, draws: int, seed: int) -> Array:
     return np.stack([np.resize(one, (draws, means.shape[1])) for one in kept])
 
 
+def seeds_of(patients: list[Patient], world: dict[str, Any], first: int = 0) -> list[int]:
+    """A seed for each patient with which the device can treat him: some anatomies that a scan allows it cannot.
+
+    Args:
+        patients: N.
+        world: arguments of the environment.
+        first: seed of the first patient, where it does.
+
+    Raises:
+        InputError: no seed of several does.
+    """
+    env = gym.make_vec(DEFAULT_ENV, 1, **world)
+    found = []
+    for i, patient in enumerate(patients):
+        for seed in range(first + i, first + i + _TRIES * _APART, _APART):
+            try:
+                env.reset(seed=seed, options={"patients": [patient]})
+            except InputError as error:
+                refused = error
+                continue
+            found.append(seed)
+            break
+        else:
+            raise refused
+    env.close()
+    return found
+
+
 def suggested_actions(patients: list[Patient], world: dict[str, Any]) -> Array:
     """Actions (N, T, 4) of the shipped policy for N patients in targets control.
 
@@ -175,7 +211,7 @@ def suggested_actions(patients: list[Patient], world: dict[str, Any]) -> Array:
         if action is not None:
             actions.append(np.asarray(action))
 
-    play(policy, patients=patients, seed=0, env_kwargs=world, on_step=note)
+    play(policy, patients=patients, seed=seeds_of(patients, world), env_kwargs=world, on_step=note)
     return np.stack(actions, axis=1)
 
 
@@ -189,7 +225,7 @@ def _written_down(actions: Array, seconds: float) -> Maneuver:
 
 def _expected(player: Player, patients: list[Patient], world: dict[str, Any], known: Array, counted: Mask) -> _Expected:
     """Expected worth of a movement for patients beside the precision ``known`` (p, p), where ``counted`` (p,)."""
-    played = play(player, patients=patients, seed=1, env_kwargs=world)
+    played = play(player, patients=patients, seed=seeds_of(patients, world), env_kwargs=world)
     prior = Prior(played.prior_mean, played.prior_sd)
     told = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)
     worst = [_worst(np.linalg.inv(known + one), counted) for one in told]
