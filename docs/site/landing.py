@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-QUESTION = "Which jaw muscle is stiff?"
+QUESTION = "How stiff is each jaw muscle, and how soon is that known?"
 BUTTONS = {"Drive a jaw": "live.md", "See maneuvers": "gallery.md", "See a report": "examples.md"}
 
 
