@@ -13,7 +13,7 @@ Readings: TypeAlias = Mapping[str, Any]
 """Readings of an experiment: arrays by name, and whatever else its likelihood needs."""
 
 
-class Law(Protocol):
+class _Law(Protocol):
     """A distribution of p parameters."""
 
     def sample(self, n: int, seed: int) -> Array:
@@ -32,7 +32,7 @@ class DesignEnv(Protocol):
 
     parameter_names: tuple[str, ...]
     """Names of the p parameters, in the order of all arrays."""
-    prior: Law
+    prior: _Law
     """Of the truth that ``reset`` draws."""
 
     def simulate(self, theta: ArrayLike, actions: ArrayLike, seed: int) -> Readings:
