@@ -93,6 +93,9 @@ def _identify_command(
     json: Annotated[
         Path | None, typer.Option(help="Write all that is found as JSON, for a program to read.", metavar="FILE.json")
     ] = None,
+    clocks: Annotated[
+        bool, typer.Option("--clocks", help="Look for a delay of the forces; up to 30 ms are taken out.")
+    ] = False,
     check_only: Annotated[
         bool, typer.Option("--check", help="Only say whether each quantity is plausible; estimate nothing.")
     ] = False,
@@ -107,8 +110,8 @@ def _identify_command(
     if len(recordings) > 1:
         from jawenv.commands.several import identify_together
 
-        return identify_together(recordings, reading, page, json, check_only)
-    return check(recordings[0], reading) if check_only else identify(recordings[0], reading, page, json)
+        return identify_together(recordings, reading, page, json, clocks, check_only)
+    return check(recordings[0], reading) if check_only else identify(recordings[0], reading, page, json, clocks)
 
 
 @app.command("doctor")

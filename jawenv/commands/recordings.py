@@ -24,7 +24,9 @@ from jawenv.recordings.words import WORDS
 NOT_BELIEVABLE = 3
 
 
-def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: Path | None = None) -> int:
+def identify(
+    path: Path, reading: Mapping[str, Any], page: Path | None, answer: Path | None = None, clocks: bool = False
+) -> int:
     """Print what the environments' filter finds in a recording, and whether it is to be believed.
 
     Args:
@@ -32,6 +34,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
         reading: arguments of ``load_record``.
         page: where the patient's page is written; None for nowhere.
         answer: where all is written as JSON; None for nowhere.
+        clocks: whether a delay of the forces is looked for.
 
     Returns:
         Exit code: 0, or 3 where the estimates are not to be believed.
@@ -51,23 +54,27 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
-    record, delay = in_time(record)
+    delay = None
+    if clocks:
+        record, delay = in_time(record)
     result, last = identified_with_errors(record)
-    if delay.too_late:
+    if delay and delay.too_late:
         result = replace(result, rival=f"{delay}")
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
     fitted = result.rows - result.refused
     print(f"rows:    {result.rows:,} read, {fitted:,} fitted, {result.refused:,} refused by the filter's gate")
     print(f"numbers: {result.numbers:,} read, {result.left_out:,} left out (out of range, or of a frozen sensor)")
     print(f"assumed: {assumed_in_words(record)}")
-    print(f"clocks:  {delay}")
+    if delay:
+        print(f"clocks:  {delay}")
     word = alarm_word(result.misfit).replace("rings", "RINGS")
     print(f"alarm:   {word}, misfit {result.misfit:.3g} (yellow above {YELLOW:g}, it rings above 1)\n")
     print_belief(record, result)
     if write_page is not None:
         print(f"\npage: {write_page(record, result, last, path, page, assumed_in_words(record))}")
     if answer is not None:
-        write_text(answer, json.dumps(as_mapping(record, result) | {"forces_late_s": delay.seconds}, indent=1) + "\n")
+        late = {"forces_late_s": delay.seconds} if delay else {}
+        write_text(answer, json.dumps(as_mapping(record, result) | late, indent=1) + "\n")
         print(f"\nanswer: {answer}")
     if not result.believable:
         print("\nNOT TO BE BELIEVED:", flush=True)

@@ -25,7 +25,12 @@ from jawenv.recordings.untold.learnt import identified_with_errors
 
 
 def identify_together(
-    paths: Sequence[Path], reading: Mapping[str, Any], page: Path | None, answer: Path | None, check_only: bool
+    paths: Sequence[Path],
+    reading: Mapping[str, Any],
+    page: Path | None,
+    answer: Path | None,
+    clocks: bool,
+    check_only: bool,
 ) -> int:
     """Print what several recordings of one patient tell together, and whether they agree.
 
@@ -34,6 +39,7 @@ def identify_together(
         reading: arguments of ``load_record``.
         page: where the patient's page is written; None for nowhere.
         answer: where all is written as JSON; None for nowhere.
+        clocks: whether a delay of the forces is looked for.
         check_only: must be False.
 
     Returns:
@@ -49,14 +55,15 @@ def identify_together(
     write_page = None if page is None else page_writer()
     records, found = [], []
     for path in paths:
-        record, delay = in_time(load_record(path, UNKNOWN, **reading))
+        record, delay = load_record(path, UNKNOWN, **reading), None
+        if clocks:
+            record, delay = in_time(record)
         one, _ = identified_with_errors(record)
         records.append(record)
-        found.append(replace(one, rival=f"{delay}") if delay.too_late else one)
+        found.append(replace(one, rival=f"{delay}") if delay and delay.too_late else one)
         worst = f"largest error bar {one.estimate.sd[-1].max():.1%}"
-        print(
-            f"{path}: {record.time[-1]:g} s, {worst}; alarm {alarm_word(one.misfit)}, misfit {one.misfit:.3g}; {delay}"
-        )
+        alarm = f"alarm {alarm_word(one.misfit)}, misfit {one.misfit:.3g}"
+        print(f"{path}: {record.time[-1]:g} s, {worst}; {alarm}{f'; {delay}' if delay else ''}")
     agree, result = _together(records, found)
     print(f"assumed: {assumed_in_words(records[0])}")
     test = f"chi-squared {agree.squares:.3g} of {agree.degrees}, p {agree.p:.2g}"
@@ -80,7 +87,7 @@ def identify_together(
 
 
 def _together(records: Sequence[Record], found: Sequence[Identification]) -> tuple[Any, Identification]:
-    """How the recordings agree, and the identification of all: the belief of the first over time, then that of all."""
+    """Agreement of the recordings, and their identification: the first one's belief over time, then that of all."""
     prior, first = records[0].prior, found[0]
     means, covs = (np.array([getattr(one.estimate, name)[-1] for one in found]) for name in ("mean", "cov"))
     mean, cov = means[0], covs[0]

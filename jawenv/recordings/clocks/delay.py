@@ -36,7 +36,7 @@ _LONG_S = 20.0
 
 @dataclass(frozen=True)
 class _Delay:
-    """How late the forces are, or how early where it is negative."""
+    """Delay of the forces; negative where they are early."""
 
     seconds: float
     nats: float  # by which the readings are more probable with it than without; 0 where nothing is told
@@ -52,7 +52,7 @@ class _Delay:
         return self.shown and abs(self.seconds) > _LARGEST_S
 
     def __str__(self) -> str:
-        """In words."""
+        """Tell it in words."""
         if not self.shown:
             return "no delay is seen between motion and forces"
         late = f"forces are {1e3 * abs(self.seconds):.0f} ms {'late' if self.seconds > 0.0 else 'early'}"
@@ -73,9 +73,9 @@ def in_time(record: Record) -> tuple[Record, _Delay]:
 
 
 def delay_of(record: Record) -> _Delay:
-    """How late the forces of a recording are; 0 where it is too short or has no load cell."""
+    """Delay of the forces of a recording; 0 where it is too short, or no load cell is read within ticks."""
     margin = int(np.ceil((_FURTHEST_S + _FINE_S) / record.dt)) + 1
-    alone = len(record.start_mean) == N_BODY or record.force_sensor != "cell"
+    alone = len(record.start_mean) == N_BODY or record.force_sensor != "cell" or _once_a_tick(record)
     if alone or record.time[-1] < 1.0 + 2.0 * margin * record.dt:
         return _Delay(0.0, 0.0)
     if record.time[-1] > _LONG_S:
@@ -98,6 +98,12 @@ def delay_of(record: Record) -> _Delay:
     bend = 2.0 * middle - low - high
     top = best + (0.5 * _FINE_S * (high - low) / bend if bend > 0.0 else 0.0)
     return _Delay(float(top + _SERVO_S), middle - max(probable(-_COARSE_S), probable(-_FINE_S)))
+
+
+def _once_a_tick(record: Record) -> bool:
+    """Whether forces within a tick lie on lines between those at its ends: then nothing answers within it."""
+    within = record.samples[:, 1] - 0.5 * (record.samples[:, 0] + record.samples[:, 2])
+    return bool(np.nanmedian(np.abs(within)) < 1e-9)
 
 
 def _shifted(record: Record, seconds: float) -> Record:

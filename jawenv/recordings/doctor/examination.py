@@ -164,7 +164,7 @@ def _zero(record: Record) -> _Check:
 
 def _clocks(record: Record) -> _Check:
     delay = delay_of(record)
-    mend = f"jawenv import MOTION --forces FORCES --offset {delay.seconds:.3f}; up to 30 ms identify takes out"
+    mend = f"jawenv import MOTION --forces FORCES --offset {delay.seconds:.3f}; identify --clocks takes 30 ms out"
     return _Check("clocks", f"{delay}", not delay.shown, mend)
 
 

@@ -36,7 +36,7 @@ _TELLING = 1e-3
 
 @dataclass(frozen=True)
 class _Agreement:
-    """Chi-squared of two recordings' beliefs against each other, of those that agree least."""
+    """Chi-squared of the two recordings whose beliefs agree least."""
 
     pair: tuple[int, int]  # numbers of the two
     squares: float

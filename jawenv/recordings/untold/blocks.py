@@ -164,7 +164,7 @@ def _settings(record: Record) -> tuple[Any, bool]:
 
 
 def _own(nuisances: Any) -> NDArray[np.bool_]:
-    """(1 + nuisances,) whether the gain, which is not, and each of these is the patient's own."""
+    """Mask (1 + nuisances,) of the patient's own columns; the gain, the first, is the device's."""
     parts = [np.abs(nuisances[name]).reshape(len(nuisances["mass"]), -1).max(axis=1) for name in _OF_A_SESSION]
     return np.append(False, np.max(parts, axis=0) == 0.0)
 

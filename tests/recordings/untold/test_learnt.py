@@ -66,6 +66,7 @@ def blocks(rng):
         nominal=nominal,
         prior_mean=PRIOR.mean,
         prior_sd=PRIOR.sd,
+        height=0.0,
     ), truth
 
 
