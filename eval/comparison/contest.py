@@ -26,7 +26,7 @@ from eval.figures.tables import Table, made_by
 from eval.kept.entries import Settings
 from jawenv.base.errors import InputError
 
-NOTE = (
+_NOTE = (
     "Sure: seconds until no error bar asked for is above 5 %, nine in ten patients sooner. Verdicts: until the data "
     "have one on every muscle, for good. Who never gets there counts as the whole episode. Worst sd, true error: mean "
     "log of the largest sd asked for and of the root mean square error, less that of the best fixed maneuver, patient "
@@ -36,7 +36,7 @@ NOTE = (
     "patient, timed where this page was made; of the clairvoyant a plan. In brackets the 95 % interval over patients, "
     "and over the seeds of a training."
 )
-DIGITS = {
+_DIGITS = {
     "sure, s": 2,
     "nine in ten, s": 1,
     "verdicts, s": 2,
@@ -52,16 +52,16 @@ DIGITS = {
 """Heading of each figure -> decimals."""
 _OF_BOUND = 12
 """Patients of the static bound."""
-HEAD = ("entry", "seeds", *DIGITS, "training, steps", "a decision, ms")
+_HEAD = ("entry", "seeds", *_DIGITS, "training, steps", "a decision, ms")
 
 
 @dataclass(frozen=True)
 class _Contestant:
-    """One row; see ``NOTE``."""
+    """One row; see ``_NOTE``."""
 
     name: str  # label of the entry, or the common beginning of those of its seeds
     seeds: int  # how many trainings
-    figures: tuple[Interval, ...]  # those of ``DIGITS``
+    figures: tuple[Interval, ...]  # those of ``_DIGITS``
     about: Mapping[str, Any]  # metadata of the entry, of several seeds that of the first
 
 
@@ -93,10 +93,10 @@ def markdown(studies: Mapping[str, Results], cost_of: Callable[..., Cost] = cost
         studies: comparisons by their names.
         cost_of: tells what an entry costs, as `eval.comparison.cost.cost`.
     """
-    parts = ["# Contest", NOTE]
+    parts = ["# Contest", _NOTE]
     for name, study in studies.items():
         rows = [_written(row, cost_of(row.about, study.about["settings"])) for row in contestants(study)]
-        table = Table(HEAD, rows, (0,)).markdown()
+        table = Table(_HEAD, rows, (0,)).markdown()
         seeds = Settings.from_mapping(study.about["settings"]).seeds
         played = f"{len(seeds)} patients (seeds {seeds[0]}\N{EN DASH}{seeds[-1]})"
         parts += [f"## {name}", made_by(study.about, played), table, *_bound(study)]
@@ -166,7 +166,7 @@ def _seconds(study: Results, group: Sequence[str]) -> list[Interval]:
 
 
 def _written(row: _Contestant, cost: Cost) -> list[str]:
-    figures = list(map(words.with_interval, row.figures, DIGITS.values()))
+    figures = list(map(words.with_interval, row.figures, _DIGITS.values()))
     steps = words.NOTHING if math.isnan(cost.trained_steps) else f"{cost.trained_steps:,.0f}"
     return [words.label(row.name), str(row.seeds), *figures, steps, words.number(cost.decision_ms, 2)]
 

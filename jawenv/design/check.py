@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from jawenv.base.errors import InputError
-from jawenv.design.interface import Readings
 from jawenv.inference.settings import Array
 
 _DRAWS, _TRIALS = 16, 4
@@ -107,7 +107,7 @@ def _checked_simulator(env: Any, theta: Array, actions: Array, seed: int) -> Non
     _require(apart, "simulate", "the same reading under another seed", "noise of its seed")
 
 
-def _arrays(readings: Readings) -> dict[str, Array]:
+def _arrays(readings: Mapping[str, Any]) -> dict[str, Array]:
     return {name: value for name, value in readings.items() if isinstance(value, np.ndarray)}
 
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
 from jawenv.inference.settings import Array
-
-Readings: TypeAlias = Mapping[str, Any]
-"""Readings of an experiment: arrays by name, and whatever else its likelihood needs."""
 
 
 class _Law(Protocol):
@@ -35,8 +32,8 @@ class DesignEnv(Protocol):
     prior: _Law
     """Of the truth that ``reset`` draws."""
 
-    def simulate(self, theta: ArrayLike, actions: ArrayLike, seed: int) -> Readings:
-        """Simulate an experiment with parameters (p,) under K actions; leaves the episode as it is."""
+    def simulate(self, theta: ArrayLike, actions: ArrayLike, seed: int) -> Mapping[str, Any]:
+        """Readings, arrays by name, of an experiment with parameters (p,) under K actions; the episode stays."""
 
-    def log_likelihood(self, readings: Readings, theta: ArrayLike) -> Array | None:
+    def log_likelihood(self, readings: Mapping[str, Any], theta: ArrayLike) -> Array | None:
         """(m,) nats of readings given parameters (m, p), up to a constant; None where there is no likelihood."""

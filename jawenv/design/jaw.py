@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium as gym
@@ -9,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jawenv.base.errors import InputError
-from jawenv.design.interface import Readings
 from jawenv.envs.jaw import JawEnv
 from jawenv.inference.likelihood import log_likelihood
 from jawenv.inference.patient_law import PatientLaw
@@ -41,7 +41,7 @@ class JawDesign(gym.Wrapper[Any, Any, Any, Any]):
         self.parameter_names = inner.parameter_names
         self.prior = PatientLaw.of(inner.configuration.cohort, env_id=self._env_id, draws=_DRAWS)
 
-    def simulate(self, theta: ArrayLike, actions: ArrayLike, seed: int) -> Readings:
+    def simulate(self, theta: ArrayLike, actions: ArrayLike, seed: int) -> Mapping[str, Any]:
         """See ``DesignEnv``.
 
         Raises:
@@ -53,7 +53,7 @@ class JawDesign(gym.Wrapper[Any, Any, Any, Any]):
             raise InputError("theta is of a patient whom the device cannot treat; allowed: one that prior.sample draws")
         return {"measured": record.measured, "samples": record.samples, "record": record}
 
-    def log_likelihood(self, readings: Readings, theta: ArrayLike) -> Array | None:
+    def log_likelihood(self, readings: Mapping[str, Any], theta: ArrayLike) -> Array | None:
         """See ``DesignEnv``: None where anatomy or device are known within errors only."""
         record = readings["record"]
         return log_likelihood(record, theta) if record.exact else None
