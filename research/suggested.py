@@ -17,11 +17,11 @@ import numpy as np
 import jawenv
 from agents.replay import Replay
 from eval.figures import statistics, words
-from jawenv.anatomy import cohort
+from jawenv.anatomy import Patient, cohort
 from jawenv.base.seeds import REPORTS
 from jawenv.playing.agents import Array
 from jawenv.suggesting.search import searched_actions
-from jawenv.suggesting.suggestion import as_patient, drawn_from, seeds_of, suggested_actions
+from jawenv.suggesting.suggestion import drawn_from, seeds_of, suggested_actions
 
 _FIRST, _OTHERS, _DRAWS = "slow_opening", ("refined_one_sided", "slow_opening"), 8
 _ANOTHER, _SEARCHED, _BUDGET_S = "another's", "suggested after the search", 1.0 / 30.0
@@ -79,14 +79,14 @@ def _added(first: _Played, second: _Played) -> _Belief:
 
 def _movements(first: _Played, world: dict[str, Any], arguments: argparse.Namespace) -> dict[str, Any]:
     """Agents for the second recording, by the words of their rows."""
-    actions = suggested_actions([as_patient(mean) for mean in first.belief.mean], world)
+    actions = suggested_actions([Patient.from_log_parameters(mean) for mean in first.belief.mean], world)
     hz = actions.shape[1] / world["episode_s"]
     movements: dict[str, Any] = {each: jawenv.Player(each) for each in ("refined", *_OTHERS)}
     movements |= {"suggested": Replay("suggested", actions, hz)}
     movements |= {_ANOTHER: Replay(_ANOTHER, np.roll(actions, 1, axis=0), hz)}
     if arguments.search:
         rows = _drawn(first.belief, arguments.seed)
-        patients = [as_patient(row) for row in rows.reshape(-1, rows.shape[-1])]
+        patients = [Patient.from_log_parameters(row) for row in rows.reshape(-1, rows.shape[-1])]
         found = searched_actions(actions, patients, seeds_of(patients, world), *first.belief, world, arguments.search)
         movements |= {_SEARCHED: Replay(_SEARCHED, found, hz)}
     return movements
@@ -97,7 +97,7 @@ def _of_cohort(name: str, arguments: argparse.Namespace) -> None:
     world = {"cohort": "anyone", "control": "targets", "episode_s": 10.0, "track_bound": False}
     world |= {"knowledge": arguments.knowledge, "comfort_budget_s": _BUDGET_S}
     truth = cohort(name).sample(number, seed, accept=jawenv.treatable)
-    drawn = [as_patient(row) for row in truth]
+    drawn = [Patient.from_log_parameters(row) for row in truth]
     first = _play(jawenv.Player(_FIRST), drawn, seed, world)
     movements = _movements(first, world, arguments)
     played = {key: _play(agent, drawn, seed + 1000, world) for key, agent in movements.items()}
@@ -135,7 +135,7 @@ def _expected(first: _Played, agent: Replay, world: dict[str, Any], seed: int) -
     """Median (N,) over draws from the first belief of the log of the largest error bar after both recordings."""
     draws = []
     for k, rows in enumerate(_drawn(first.belief, seed).swapaxes(0, 1)):
-        played = _play(agent, [as_patient(row) for row in rows], seed + k, world)
+        played = _play(agent, [Patient.from_log_parameters(row) for row in rows], seed + k, world)
         draws.append(_added(first, played).log_worst)
     return np.median(draws, axis=0)
 

@@ -128,10 +128,10 @@ def suggest(
         "comfort_budget_s": _BUDGET * seconds,
         "asked": asked,
     }
-    patients = [as_patient(row, model[1]) for row in drawn_from(mean[None], cov[None], _DRAWS, 0)[0]]
+    patients = [_as_patient(row, model[1]) for row in drawn_from(mean[None], cov[None], _DRAWS, 0)[0]]
     known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
     told("playing its estimates")
-    actions = [suggested_actions([as_patient(mean, model[1])], world)]
+    actions = [suggested_actions([_as_patient(mean, model[1])], world)]
     if search:
         actions.append(
             searched_actions(
@@ -146,7 +146,7 @@ def suggest(
     return _Suggestion(found, maneuver, _worst(cov, counted), best, beside, again)
 
 
-def as_patient(theta: Array, tilt_deg: float = 0.0) -> Patient:
+def _as_patient(theta: Array, tilt_deg: float = 0.0) -> Patient:
     """A patient of natural-log parameters, within what a patient can be."""
     most = np.tile(np.log([LARGEST_F_O_N, LARGEST_B]), len(theta) // 2)
     return Patient.from_log_parameters(np.minimum(theta, most - 1e-9), head_tilt_deg=tilt_deg)
