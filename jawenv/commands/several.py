@@ -53,9 +53,11 @@ def identify_together(
     if page is not None and answer is not None and page.resolve() == answer.resolve():
         raise InputError(f"--page and --json are both {page}; allowed: two files")
     write_page = None if page is None else page_writer()
+    files = [load_record(path, UNKNOWN, **reading) for path in paths]
+    _check_distinct(paths, files)
     records, found = [], []
-    for path in paths:
-        record, delay = load_record(path, UNKNOWN, **reading), None
+    for path, file in zip(paths, files, strict=True):
+        record, delay = file, None
         if clocks:
             record, delay = in_time(record)
         one, _ = identified_with_errors(record)
@@ -84,6 +86,16 @@ def identify_together(
         for path, one in zip(paths, found, strict=True):
             print(*(f"- {path}: {doubt}" for doubt in one.doubts), sep="\n", end="\n" if one.doubts else "")
     return 0 if believed else NOT_BELIEVABLE
+
+
+def _check_distinct(paths: Sequence[Path], records: Sequence[Record]) -> None:
+    """Refuse the same readings twice: their information would count twice."""
+    seen: dict[bytes, Path] = {}
+    for path, record in zip(paths, records, strict=True):
+        readings = record.measured.tobytes() + record.samples.tobytes()
+        if readings in seen:
+            raise InputError(f"{path}: has the readings of {seen[readings]}; allowed: each recording once")
+        seen[readings] = path
 
 
 def _together(records: Sequence[Record], found: Sequence[Identification]) -> tuple[Any, Identification]:

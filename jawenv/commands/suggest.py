@@ -24,6 +24,8 @@ def suggest_next(path: Path, output: Path, wanted: dict[str, Any], reading: dict
         reading: arguments of ``load_record``.
         overwrite: whether an older maneuver may be replaced.
     """
+    if output.suffix != ".yaml":
+        raise InputError(f"--output: {output}; allowed: a file that ends in .yaml")
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
     record = load_record(path, UNKNOWN, **reading)

@@ -18,7 +18,7 @@ from jawenv.inference.simulations import simulate
 
 _DRAWS = 1000
 """Patients by which the share of the treatable is known."""
-_OF_SIMULATE = ("episode_s", "record")
+_NOT_OF_SIMULATE = ("episode_s", "record", "render_mode")
 
 
 class JawDesign(gym.Wrapper[Any, Any, Any, Any]):
@@ -37,7 +37,7 @@ class JawDesign(gym.Wrapper[Any, Any, Any, Any]):
         if not isinstance(inner, JawEnv) or env.spec is None:
             raise InputError("env is not of jawenv; allowed: one that gymnasium.make('jawenv/...') has made")
         self._env_id = env.spec.id
-        self._arguments = {name: value for name, value in env.spec.kwargs.items() if name not in _OF_SIMULATE}
+        self._arguments = {name: value for name, value in env.spec.kwargs.items() if name not in _NOT_OF_SIMULATE}
         self.parameter_names = inner.parameter_names
         self.prior = PatientLaw.of(inner.configuration.cohort, env_id=self._env_id, draws=_DRAWS)
 

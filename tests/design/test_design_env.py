@@ -21,6 +21,13 @@ def test_every_environment_of_jawenv_is_one(env_id):
     env.close()
 
 
+def test_one_that_draws_pictures_simulates_as_well():
+    env = JawDesign(gym.make("jawenv/JawHinge-v3", control="force", render_mode="rgb_array"))
+    readings = env.simulate(env.prior.sample(1, 0)[0], np.zeros((2, 4)), 0)
+    assert readings["measured"].shape == (11, 12)
+    env.close()
+
+
 def test_one_that_is_no_jaw_is_one():
     check_design_env(LINEAR())
 

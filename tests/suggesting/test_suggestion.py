@@ -31,6 +31,8 @@ def test_the_next_movement_is_a_maneuver_that_tells_more_than_the_same_again(rec
     assert Maneuver.load(output).channels.side is not None
     assert main(["suggest", str(recording), "-o", str(output)]) == 2
     assert "exists already" in capsys.readouterr().err
+    assert main(["suggest", str(recording), "-o", str(tmp_path / "next.txt")]) == 2
+    assert "ends in .yaml" in capsys.readouterr().err
 
 
 def test_what_is_expected_is_below_what_is_known_and_the_same_again(recording):

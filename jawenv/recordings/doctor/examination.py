@@ -12,7 +12,7 @@ from jawenv.recordings.clocks.delay import delay_of
 from jawenv.recordings.columns import AXES
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import LARGEST_MISFIT, MOST_REFUSED, identified
-from jawenv.recordings.plausibility import findings
+from jawenv.recordings.plausibility import SHORTEST_S, findings
 from jawenv.recordings.record import Record
 
 _FIRST_S, _SHORT_S = 60.0, 5.0
@@ -41,6 +41,9 @@ def examined(record: Record) -> list[_Check]:
 
     What a check finds wrong is put right for those after it, as far as numbers tell how.
     """
+    if record.time[-1] < SHORTEST_S - 0.5 * record.dt:
+        value = f"{record.time[-1]:g} s, allowed: {SHORTEST_S:g} s or more"
+        return [_Check("length", value, False, "record longer: less is too short to judge")]
     if record.time[-1] > _FIRST_S:
         record = record.until(_FIRST_S)
     rate = _rate(record)

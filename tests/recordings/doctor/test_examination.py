@@ -32,6 +32,11 @@ def test_a_fault_is_named_and_mended(fault):
     assert fault in named and named[fault].mend
 
 
+def test_less_than_a_second_is_said_and_nothing_else():
+    (check,) = examined(faulty("").until(0.5))
+    assert check.what == "length" and not check.fine
+
+
 def test_the_command_prints_each_check(tmp_path, capsys):
     assert main(["doctor", saved(faulty(""), tmp_path / "fine.csv")]) == 0
     said = capsys.readouterr().out.splitlines()

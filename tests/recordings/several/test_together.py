@@ -115,6 +115,12 @@ def test_the_command_answers_with_one_belief(tmp_path, capsys):
     assert np.diagonal(found["log_cov"]).sum() < min(one.sum() for one in alone)
 
 
+def test_the_same_readings_twice_are_refused(tmp_path, capsys):
+    paths = [saved(played(0), tmp_path / f"{i}.csv") for i in range(2)]
+    assert main(["identify", *paths]) == 2
+    assert capsys.readouterr().err.endswith("0.csv; allowed: each recording once\n")
+
+
 def test_two_patients_are_named_in_one_sentence(tmp_path, capsys):
     paths = [saved(played(i), tmp_path / f"{i}.csv") for i in range(2)]
     assert main(["identify", *paths]) == 3
