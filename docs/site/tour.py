@@ -23,6 +23,8 @@ from jawenv.live.outcome import learned_agents  # noqa: E402
 from jawenv.live.server import serving  # noqa: E402
 from jawenv.live.session import DriveSession  # noqa: E402
 from jawenv.live.setup import Setup  # noqa: E402
+from jawenv.metrics.precision import for_good  # noqa: E402
+from jawenv.metrics.standing import standing  # noqa: E402
 from jawenv.rendering import palette  # noqa: E402
 from jawenv.rendering.scene import Scene  # noqa: E402
 
@@ -93,8 +95,12 @@ def _label(server: Any, name: str, words: str, place: Any, anchor: str) -> None:
     )
 
 
-def drives_html(seconds: float, layout: str) -> str:
-    """The page of viser that shows the three drives, with a slider over their time; ``layout`` is of ``LAYOUTS``."""
+def drives_html(seconds: float, layout: str) -> tuple[str, dict[str, str]]:
+    """The page of viser that shows the three drives, with a slider over their time, and each one's verdict clock.
+
+    Args:
+        layout: a key of ``LAYOUTS``.
+    """
     apart, angle_deg = LAYOUTS[layout]
     setup = Setup.of(seed=SEED, cohort=COHORT, episode_s=seconds)
     with serving(0) as server:
@@ -110,14 +116,23 @@ def drives_html(seconds: float, layout: str) -> str:
         server.initial_camera.position = tuple(CAMERA)
         server.initial_camera.look_at = tuple(LOOK_AT)
         server.initial_camera.fov = float(np.radians(angle_deg))
-        recorded = server.get_scene_serializer()
+        recorded, stands = server.get_scene_serializer(), []
         for _ in range(round(seconds * setup.world.steps_per_s / EVERY)):
-            for session, jaw, bars in shown:
-                scene = [session.drive() for _ in range(EVERY)][-1].scene
+            scenes = [[session.drive() for _ in range(EVERY)][-1].scene for session, _, _ in shown]
+            for scene, (_, jaw, bars) in zip(scenes, shown, strict=True):
                 jaw.show(scene)
                 bars.show(scene)
+            stands.append([standing(scene.belief_mean, scene.belief_cov, scene.prior_sd).all() for scene in scenes])
             recorded.insert_sleep(EVERY / setup.world.steps_per_s)
-        return _as_the_reader_prefers(str(recorded.as_html()), seconds)
+        html = _as_the_reader_prefers(str(recorded.as_html()), seconds)
+    times = np.arange(1, len(stands) + 1) * EVERY / setup.world.steps_per_s
+    clocks = map(clock, for_good(np.array(stands).T, times))
+    return html, dict(zip(DRIVERS, clocks, strict=True))
+
+
+def clock(seconds: float) -> str:
+    """When all six verdicts stand, in words."""
+    return f"all six verdicts stand after {seconds:.1f} s" if np.isfinite(seconds) else "a verdict is open at the end"
 
 
 def _as_the_reader_prefers(html: str, seconds: float) -> str:
@@ -145,8 +160,10 @@ def patient_html(seconds: float, folder: Path) -> str:
 
 def tour(seconds: float, folder: Path) -> str:
     """All of it as one HTML file."""
-    frames = {name: drives_html(seconds, name) for name in LAYOUTS} | {"patient": patient_html(seconds, folder)}
-    titles = "".join(f"<b>{escape(title)}</b>" for title in DRIVERS.values())
+    drives = {name: drives_html(seconds, name) for name in LAYOUTS}
+    frames = {name: html for name, (html, _) in drives.items()} | {"patient": patient_html(seconds, folder)}
+    clocks = drives["wide"][1]
+    titles = "".join(f"<div><b>{escape(DRIVERS[name])}</b><br>{clocks[name]}</div>" for name in DRIVERS)
     return _TEMPLATE.format(titles=titles, **{name: escape(html, quote=True) for name, html in frames.items()})
 
 
@@ -177,7 +194,7 @@ setInterval(() => document.querySelectorAll(".mantine-Slider-trackContainer").fo
 </script>"""
 _TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
-<title>jawenv: which jaw muscle is stiff?</title>
+<title>jawenv: how stiff is each jaw muscle?</title>
 <style>
 :root {{ color-scheme: light dark; }}
 body {{ font: 16px/1.5 system-ui, sans-serif; max-width: 75rem; margin: 0 auto; padding: 1rem;
@@ -188,12 +205,12 @@ iframe {{ width: 100%; border: 1px solid light-dark(#e2ded5, #3d4147); border-ra
 #drives {{ aspect-ratio: 1.9; }}
 @media (max-width: 40em) {{
   #drives {{ aspect-ratio: 0.42; }}
-  #titles {{ display: none; }}
+  #titles {{ grid-template-columns: 1fr; }}
 }}
 #patient {{ height: 72rem; }}
 small {{ color: light-dark(#5b636e, #a9b0b8); }}
 </style></head><body><main>
-<h1>Which jaw muscle is stiff?</h1>
+<h1>How stiff is each jaw muscle, and how soon is that known?</h1>
 <p>Three seconds of the right movement tell as much as half a minute of slow opening. (In simulation.)</p>
 <p>One patient, three movements. Below each jaw a bar fills as a muscle becomes known: masseter (M), temporalis (T) and
 medial pterygoid (MP), left (L) and right (R). The lines are error bars of 5 % and 1 %. Muscles turn from clay to blue.

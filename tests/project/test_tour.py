@@ -23,7 +23,10 @@ def test_the_tour_opens_from_disk_and_asks_for_nothing_else(tmp_path, monkeypatc
     drives.wait_for_selector("canvas")
     assert drives.evaluate("window.__VISER_EMBED_CONFIG__.darkMode") is True
     assert "Masseter" in patient.inner_text("body")
-    assert [tab.text_content(f"#titles b:nth-child({i})") for i in (1, 2, 3)] == list(tour.DRIVERS.values())
+    titles = [tab.inner_text(f"#titles div:nth-child({i})").splitlines() for i in (1, 2, 3)]
+    assert [title for title, _ in titles] == list(tour.DRIVERS.values())
+    assert {tour.clock(float("inf")), titles[0][1]} == {"a verdict is open at the end"}  # of one second
+    assert tour.clock(1.42) == "all six verdicts stand after 1.4 s"
     assert tab.evaluate("document.documentElement.scrollWidth") <= 480
     tab.wait_for_timeout(1000)  # names of the player's fields come twice a second
     for frame in (tab.main_frame, drives, patient):
