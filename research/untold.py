@@ -57,7 +57,9 @@ _EARLIER = {"patients": 16, "seed": 388_000}
 _PAGE = (
     {"knowledge": "exact", "effects": (*list(EFFECTS)[:10], _MUJOCOS)},
     {"knowledge": "exact", "effects": tuple(EFFECTS)[10:], **_EARLIER},
-    {"knowledge": "bench", **_EARLIER},
+    {"knowledge": "exact", "movement": "slow", "patients": 16},
+    {"knowledge": "bench"},
+    {"knowledge": "bench", "cohort": "one_sided", "patients": 24},
     {"knowledge": "exact", "cohort": "one_sided", "patients": 16, "effects": tuple(EFFECTS)[:9]},
 )
 

@@ -99,6 +99,7 @@ def drives_html(seconds: float, layout: str) -> tuple[str, dict[str, str]]:
     """The page of viser that shows the three drives, with a slider over their time, and each one's verdict clock.
 
     Args:
+        seconds: length of the drives.
         layout: a key of ``LAYOUTS``.
     """
     apart, angle_deg = LAYOUTS[layout]
