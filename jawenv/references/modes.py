@@ -4,7 +4,7 @@ The moments of the sum are the belief (Alspach & Sorenson 1972, IEEE Trans. Auto
 would be its share of the posterior, Laplace's approximation: the density at the mode times the normal's volume. But the
 density integrates the motion out along straight lines, and is off by some nats. Of two modes one of which is near the
 truth, the denser one is it less often than that: the log of the odds is ``TRUST`` times the difference of the
-log-densities (logistic regression; ``docs/appendix.md`` has the table).
+log-densities (a logistic regression over pairs of modes).
 """
 
 from __future__ import annotations
