@@ -19,19 +19,12 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration
 from jawenv.playing.rollout import information_bound
 from training.run.config import CONFIGS, TrainingConfig
-from training.search.settings import Refinement
 
 SHORT = {"episode_s": 1.0, "track_bound": False}
 
 
 def test_one_default_for_all() -> None:
-    assert (
-        Configuration().control
-        == Settings().world.control
-        == Refinement(refine="chirp").control
-        == DEFAULT_CONTROL
-        == "targets"
-    )
+    assert Configuration().control == Settings().world.control == DEFAULT_CONTROL == "targets"
     assert gym.make("jawenv/Jaw-v3").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
     assert gym.make_vec("jawenv/Jaw-v3").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
     assert jawenv.Player("hold_still").control == load_agent("hold_still").control == DEFAULT_CONTROL  # type: ignore[attr-defined]

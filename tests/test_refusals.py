@@ -37,7 +37,7 @@ from jawenv.references.smoother import IteratedSmoother
 from jawenv.rendering import Renderer
 from training.run.config import Residual, TrainingConfig
 from training.run.train import parse_seeds
-from training.search.settings import Refinement
+from training.search.gradient import search
 
 nan, inf = np.nan, np.inf
 ONE, TWO = np.ones((1, 3)), np.ones((2, 3))
@@ -191,20 +191,9 @@ AGENTS = [
 COMMANDS = [
     ("nowhere.yaml file", lambda: TrainingConfig.load("nowhere.yaml")),
     *(("seeds", lambda s=s: parse_seeds(s)) for s in ("", "a", "1-", "-1", "2-1", "0-5000", "1;2", "1.5")),
-    *(
-        (f"{field} {words}", lambda field=field, value=value: Refinement(**{"refine": "chirp", field: value}))
-        for field, value, words in (
-            ("criterion", "E", "worst"),
-            ("over", "all", "mean"),
-            ("population", 10**9, "10,000"),
-            ("patients", 0, "1"),
-            ("sigma", 2.0, "1"),
-            ("control", "thought", "allowed"),
-            ("cohort", "knees", "knees"),
-        )
-    ),
-    ("nothing.yaml file", lambda: Refinement(refine="nothing.yaml")),
-    ("episode_s -1 allowed", lambda: Refinement(refine="chirp", horizon_s=-1.0)),
+    ("knees trismus", lambda: search("chirp", "knees", 1, 1, 1.0)),
+    ("nothing.yaml file", lambda: search("nothing.yaml", "trismus", 1, 1, 1.0)),
+    ("episode_s -1 allowed", lambda: search("chirp", "trismus", 1, 1, -1.0)),
     ("largest-discomfort-s nan finite", lambda: AdmissionLimits(discomfort_s=nan)),
     ("largest-discomfort-s -1.0 allowed", lambda: AdmissionLimits(discomfort_s=-1.0)),
     ("largest-violation 1.5 share", lambda: AdmissionLimits(violation=1.5)),

@@ -13,7 +13,7 @@ from rich.console import Console
 from jawenv.base.errors import InputError
 from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
-from training.search.commands import optimise, refine, twin
+from training.search.commands import refine, twin
 
 Config = Annotated[
     str | None,
@@ -68,7 +68,6 @@ Storage = Annotated[
 ]
 
 app = command_line("Train agents that identify a patient's closing muscles.")
-app.command("optimise")(optimise)
 app.command("twin")(twin)
 app.command("refine")(refine)
 

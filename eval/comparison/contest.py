@@ -33,8 +33,9 @@ _NOTE = (
     "by patient; below 0 is better. Closed: the share of the way from that maneuver to the clairvoyant. Replay, yoked: "
     "mean log of the worst sd less that of the entry's own and yoked replay. Above: share of the patients with more "
     "discomfort than is admitted on average. Training: steps of the environment or of its twin. A decision: of one "
-    "patient, timed where this page was made; of the clairvoyant a plan. In brackets the 95 % interval over patients, "
-    "and over the seeds of a training."
+    "patient, timed where this page was made; of the clairvoyant the time in which the comparison planned for its "
+    "patients together, over their number. In brackets the 95 % interval over patients, and over the seeds of a "
+    "training."
 )
 _DIGITS = {
     "sure, s": 2,

@@ -1,4 +1,7 @@
-"""Costs of an entry of a comparison: steps of its training, and the time of one decision on this machine."""
+"""Costs of an entry of a comparison: steps of its training, and the time of one decision.
+
+A planner's is the time of the comparison's own plans over their number: to make one more alone takes minutes.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,6 @@ from typing import Any, NamedTuple
 
 import gymnasium as gym
 
-from agents.planning import Planner
 from eval.kept.entries import Entry, Settings, load_entry
 from jawenv.base.errors import InputError
 from jawenv.base.named_objects import is_named
@@ -25,11 +27,13 @@ class Cost(NamedTuple):
 
     trained_steps: float = UNKNOWN  # steps of the environment or of its twin; NaN for what is not trained
     decision_ms: float = UNKNOWN
-    """Median time of one decision for one patient, of a planner that of one plan; NaN if not timed."""
+    """Median time of one decision for one patient on this machine, of a planner mean time of a plan in the comparison;
+    NaN if not timed.
+    """
 
 
 def cost(about: Mapping[str, Any], settings: Mapping[str, Any]) -> Cost:
-    """Read the steps from an entry's card, and time it on the first patient.
+    """Read the steps from an entry's card, and time it on the first patient if it is no planner.
 
     Nothing is known of an agent of the user's own, whose module would run, nor of one whose folder is gone.
 
@@ -37,8 +41,8 @@ def cost(about: Mapping[str, Any], settings: Mapping[str, Any]) -> Cost:
         about: metadata of the entry, as `Entry.about`.
         settings: of the comparison, as `Settings.to_mapping`.
     """
-    if is_named(about["spec"]):
-        return Cost()
+    if is_named(about["spec"]) or about.get("planned"):
+        return Cost(decision_ms=about.get("plan_ms", UNKNOWN))
     played = Settings.from_mapping(settings)
     try:
         entry = load_entry(about["spec"], played.world)
@@ -56,8 +60,6 @@ def _decision_ms(entry: Entry, seed: int) -> float:
         agent.reset(1, own_seed())
     introduce(agent, env)
     _, state = agent.predict(observation, state=None, episode_start=[True], deterministic=True)
-    if isinstance(agent, Planner):
-        return agent.ms_per_decision
     spent = []
     for _ in range(DECISIONS):
         began = time.perf_counter()

@@ -133,4 +133,4 @@ print(jawenv.identifiability(played.records[0]).describe())
 #
 # - `agents/README.md` lists every key of a maneuver file.
 # - `python -m eval compare my_maneuver.yaml --all-maneuvers` compares it with every other one.
-# - `python -m training optimise` searches a maneuver; `python -m training refine` does so by gradient, in minutes.
+# - `python -m training refine` searches a maneuver by gradient, in minutes.

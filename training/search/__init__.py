@@ -1,1 +1,1 @@
-"""Searches for maneuvers: by CMA-ES in the environment, and by the gradient of its differentiable twin."""
+"""Search for maneuvers by the gradient of the differentiable twin, and how far the twin agrees."""

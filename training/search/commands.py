@@ -1,92 +1,23 @@
-"""The commands ``optimise`` and ``refine``, which write maneuver files, and ``twin``, by which ``refine`` goes."""
+"""The commands ``refine``, which writes maneuver files, and ``twin``, by which it goes."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
+import yaml
 from rich.console import Console
 
 from jawenv.base.errors import InputError
+from jawenv.base.files import write_text
 from jawenv.base.progress import Progress
 from jawenv.base.seeds import TUNING
 from jawenv.commands.options import takes_world
-from jawenv.ladder import env_id_of, title_of_env
-from jawenv.playing.agents import Array
-from training.search.session import (
-    INTERRUPTED,
-    Anew,
-    ManeuverFile,
-    check_output,
-    named,
-    quiet_console,
-    search_maneuver,
-    until_stopped,
-    write_found,
-)
-from training.search.settings import GradientSearch, Refinement, takes
 
-if TYPE_CHECKING:
-    from training.search.optimise import Found
-
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the file.")]
-SOURCE = "optimal input design (Goodwin and Payne 1977, chapter 6) by CMA-ES (Hansen and Ostermeier 2001)"
-BY_GRADIENT = "optimal input design (Goodwin and Payne 1977, chapter 6) by Adam (Kingma and Ba 2015) through the twin"
-CRITERIA = {"worst": "the largest sd", "D": "the determinant of the covariance", "A": "the mean variance"}
-OVER = {
-    "mean": "on average over {patients} patients",
-    "tail": "of those third of {patients} patients who are known least",
-    "nominal": "of the patient with the medians of the cohort",
-}
-
-
-@takes(Refinement)
-def optimise(output: ManeuverFile, settings: Refinement, overwrite: Anew = False) -> int:
-    """Refine a maneuver until the parameters are known best after it, within comfort.
-
-    What is searched are offsets of its targets, one for each channel and 0.4 s. A search that was stopped goes on when
-    the same command is given again. What it has found so far stands beside the file, in NAME.search.pkl, which is
-    unpickled: that can run code, so let nobody else put one there.
-    """
-    from training.search.optimise import knots_of, search
-
-    check_output(output)
-    log = output.with_suffix(".search.pkl")
-
-    def run(progress: Progress) -> tuple[Found, bool]:
-        def report(done: int, lowest: float) -> None:
-            progress.note("best", f"best loss {lowest:.3f}")
-            progress.advance_to(done)
-
-        result = search(settings, log, report)
-        return result, progress.done > 0
-
-    def write(result: Found) -> str:
-        header = named(output, _description(settings), SOURCE)
-        content = (
-            knots_of(settings)
-            .maneuver(result.numbers, header)
-            .model_dump(mode="json", exclude_none=True, exclude_defaults=True)
-        )
-        write_found(output, content, "optimise", settings)
-        judged = result.judged
-        return (
-            f"largest sd {100.0 * judged.worst_sd:.2f} % after {settings.horizon_s:g} s (median of the search's own "
-            f"patients), discomfort {judged.discomfort_s:.3f} s, governor {judged.governor:.1%}, "
-            f"hard limits crossed by {judged.violated:.0%}" + ("" if judged.feasible else "; NOT within comfort")
-        )
-
-    return search_maneuver(output, log, overwrite, settings.generations, "generations", run, write)
-
-
-def _description(design: Refinement) -> str:
-    return (
-        f"{Path(design.refine).stem!r} with its targets varied by CMA-ES for {CRITERIA[design.criterion]} "
-        f"{OVER[design.over].format(patients=design.patients)} of {design.cohort!r}, {design.horizon_s:g} s after "
-        f"the start, within comfort, in {design.control} control."
-        + (f" Played in {title_of_env(env_id_of(design.env))}." if design.env != "Jaw" else "")
-    )
+SOURCE = "optimal input design (Goodwin and Payne 1977, chapter 6) by Adam (Kingma and Ba 2015) through the twin"
+_INTERRUPTED = 130
 
 
 @takes_world()
@@ -104,32 +35,59 @@ def twin(
     Console(highlight=False, markup=False).print(agreement(world, patients, seed, agent).table(), soft_wrap=True)
 
 
-@takes(GradientSearch)
-def refine(output: ManeuverFile, settings: GradientSearch, overwrite: Overwrite = False) -> int:
+def refine(
+    output: Annotated[
+        Path, typer.Option(metavar="FILE", help="Maneuver file to write; its stem is the maneuver's name.")
+    ],
+    refine: Annotated[str, typer.Option(metavar="M", help="Maneuver (name or file) where the search begins.")],
+    cohort: Annotated[str, typer.Option(metavar="NAME", help="Population of the patients.")] = "trismus",
+    updates: Annotated[int, typer.Option(metavar="N", help="Of the targets.", min=1)] = 80,
+    patients: Annotated[int, typer.Option(metavar="N", help="New ones in each update.", min=1)] = 64,
+    horizon_s: Annotated[float, typer.Option(metavar="S", help="Length of the maneuver.")] = 10.0,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file.")] = False,
+) -> int:
     """Refine a maneuver by the gradient of the differentiable twin, within comfort. Minutes; it is not resumed."""
     from jawenv.playing.maneuvers.written import maneuver_of_targets
-    from training.search.gradient import DECISION_S
-    from training.search.gradient import refine as search
+    from training.search.gradient import DECISION_S, search
 
-    check_output(output)
+    _check(output, overwrite)
+    console = Console(highlight=False, markup=False, stderr=True)
+    try:
+        with Progress(updates, "updates", console) as progress:
+
+            def report(done: int, worst: float, discomfort: float) -> None:
+                progress.note("figures", f"log of the largest sd {worst:.3f}, discomfort {discomfort:.3f} s in 30 s")
+                progress.advance_to(done)
+
+            targets = search(refine, cohort, updates, patients, horizon_s, report)
+    except KeyboardInterrupt:
+        console.print("stopped; the same command begins anew", soft_wrap=True)
+        return _INTERRUPTED
+    header = {
+        "name": output.stem,
+        "title": output.stem.replace("_", " ").capitalize(),
+        "description": f"{Path(refine).stem!r} with its targets varied by gradient for the largest sd of {cohort!r} "
+        f"after {horizon_s:g} s.",
+        "source": SOURCE,
+    }
+    content = maneuver_of_targets(targets, DECISION_S, header).model_dump(
+        mode="json", exclude_none=True, exclude_defaults=True
+    )
+    text = yaml.safe_dump(content, sort_keys=False, width=110, default_flow_style=None)
+    options = f"--refine {refine} --cohort {cohort} --updates {updates} --patients {patients} --horizon-s {horizon_s:g}"
+    command = f"python -m training refine --output {output.name} {options}"
+    write_text(output, f"# Found, not made by hand, by\n# {command}\n{text}")
+    console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
+    return 0
+
+
+def _check(output: Path, overwrite: bool) -> None:
+    """Make sure that a maneuver file can be written there, before minutes are spent on it."""
+    if output.parent.is_dir() and not os.access(output.parent, os.W_OK):
+        raise InputError(f"--output is {output}; allowed: a file in a folder that may be written")
+    if output.suffix != ".yaml" or not output.parent.is_dir():
+        raise InputError(f"--output is {output}; allowed: a .yaml file in a folder that exists")
+    if not output.stem.isidentifier() or output.stem != output.stem.lower():
+        raise InputError(f"--output is {output}; allowed: a name of small letters, digits and underscores")
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
-    console = quiet_console()
-
-    def work(progress: Progress) -> Array:
-        def report(done: int, worst: float, discomfort: float) -> None:
-            progress.note("figures", f"log of the largest sd {worst:.3f}, discomfort {discomfort:.3f} s in 30 s")
-            progress.advance_to(done)
-
-        return search(settings, report)
-
-    targets = until_stopped(work, settings.updates, "updates", console, "from the beginning")
-    if targets is None:
-        return INTERRUPTED
-    whose = f"of {settings.cohort!r} after {settings.horizon_s:g} s"
-    text = f"{settings.refine!r} with its targets varied by gradient for the largest sd {whose}."
-    found = maneuver_of_targets(targets, DECISION_S, named(output, text, BY_GRADIENT))
-    content = found.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
-    write_found(output, content, "refine", settings)
-    console.print(f"{output}: {settings.horizon_s:g} s", soft_wrap=True)
-    return 0

@@ -29,7 +29,6 @@ from jawenv.playing.maneuvers.maneuver import SUFFIXES, action_of
 from jawenv.playing.policies.following import DECISION_HZ
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig
-from training.search.settings import GradientSearch
 
 KNOT_S = 0.4
 TARGET_DISCOMFORT_S = 0.1  # in 30 s, on average
@@ -40,34 +39,41 @@ PER_30_S = 30.0
 DECISION_S = 1.0 / DECISION_HZ
 
 
-def refine(
-    settings: GradientSearch,
+def search(
+    refined: str,
+    cohort: str,
+    updates: int,
+    patients: int,
+    horizon_s: float,
     report: Callable[[int, float, float], None] = lambda done, worst, discomfort: None,
 ) -> Array:
     """Targets (T, 4) at the ends of T decisions.
 
     Args:
-        settings: of the search.
+        refined: maneuver where the search begins, a name or a file.
+        cohort: population of the patients.
+        updates: of the targets.
+        patients: new ones in each update.
+        horizon_s: length of the maneuver.
         report: called with the updates done, the mean log of the largest sd and the discomfort (s in 30 s).
     """
-    is_file = Path(settings.refine).suffix in SUFFIXES
-    maneuver = Maneuver.load(settings.refine) if is_file else Maneuver.named(settings.refine)
-    arguments: dict[str, Any] = {"cohort": settings.cohort, "episode_s": settings.horizon_s}
-    env: Any = gym.make_vec(DEFAULT_ENV, settings.patients, **arguments, autoreset_mode="disabled")
+    maneuver = Maneuver.load(refined) if Path(refined).suffix in SUFFIXES else Maneuver.named(refined)
+    arguments: dict[str, Any] = {"cohort": cohort, "episode_s": horizon_s}
+    env: Any = gym.make_vec(DEFAULT_ENV, patients, **arguments, autoreset_mode="disabled")
     env.reset(seed=TUNING.start)
     simulation = env.unwrapped.simulation
     twin = Twin(simulation)
-    steps = round(settings.horizon_s / twin.decision_s)
+    steps = round(horizon_s / twin.decision_s)
     times = twin.decision_s * np.arange(1, steps + 1, dtype=np.float64)
-    knots = np.arange(0.0, settings.horizon_s + KNOT_S, KNOT_S)
+    knots = np.arange(0.0, horizon_s + KNOT_S, KNOT_S)
     start = torch.tensor(maneuver.targets(times).value)
     between = torch.tensor(np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None))
     x = torch.zeros(len(knots), start.shape[1], dtype=torch.float64, requires_grad=True)
     optimiser = torch.optim.Adam([x], LEARNING_RATE, betas=(0.8, 0.95))
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, settings.updates, 0.1 * LEARNING_RATE)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, updates, 0.1 * LEARNING_RATE)
     limit = ComfortConfig(target_discomfort_s=TARGET_DISCOMFORT_S, initial_multiplier=2.0)
     price = Multiplier(limit)
-    for update in range(settings.updates):
+    for update in range(updates):
         worlds = Worlds(twin, Patients.of_worlds(simulation.worlds))
         targets = start + between @ x * SCALE
         worst, discomfort = play(worlds, targets)
@@ -76,7 +82,7 @@ def refine(
         loss.backward()  # type: ignore[no-untyped-call]
         optimiser.step()
         schedule.step()
-        per_30_s = PER_30_S / settings.horizon_s * _discomfort_of(env, within_reach(targets.detach(), twin.decision_s))
+        per_30_s = PER_30_S / horizon_s * _discomfort_of(env, within_reach(targets.detach(), twin.decision_s))
         price.update(per_30_s)
         report(update + 1, float(log_worst(worlds).detach().mean()), per_30_s)
         env.reset()

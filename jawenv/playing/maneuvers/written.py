@@ -19,22 +19,15 @@ _DIGITS = 5
 _STRAIGHT = 1e-6  # a point that is off the line between its neighbours by less is left out
 
 
-def maneuver_of_targets(
-    targets: Array, period: float, header: dict[str, str], *, return_s: float | None = None
-) -> Maneuver:
+def maneuver_of_targets(targets: Array, period: float, header: dict[str, str]) -> Maneuver:
     """The maneuver that reaches targets (T, 4) at the ends of the steps.
 
     Args:
         targets: fractions of the patient's comfort.
         period: length of a step, s.
         header: name, title, description and source.
-        return_s: time in which it goes back to rest and begins again; None where the last targets hold.
     """
     channels = {channel: _keyframes(targets[:, k], period) for k, channel in enumerate(CHANNELS)}
-    if return_s is not None:
-        for channel in channels.values():
-            end_s = round(len(targets) * period + return_s, 6)
-            channel |= {"points": [*channel["points"], {"t_s": end_s, "value": 0.0}], "repeat": True}
     return Maneuver.model_validate({**header, "fade_in_s": _FADE_IN_S, "channels": channels})
 
 

@@ -6,11 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from agents.clairvoyant import Clairvoyant
 from eval.comparison.contest import contestants, markdown
 from eval.comparison.cost import Cost, cost
-from eval.comparison.results import Results
+from eval.comparison.results import Results, compare
 from eval.figures.statistics import ratio_over_both
-from eval.kept.entries import Settings
+from eval.kept.entries import Settings, load_entries
 from eval.kept.tables import made_with
 from jawenv.base.errors import InputError
 from jawenv.playing.policies.card import card_of
@@ -79,6 +80,23 @@ def test_a_cost_has_the_steps_of_the_card_and_a_time():
     assert steps == card_of("apg_anyone")[1].steps and 0.0 < spent_ms < 1000.0
     assert math.isnan(cost({"spec": "refined"}, settings).trained_steps)
     assert np.isnan([cost({"spec": gone}, settings) for gone in ("a_module:Agent", "runs/none")]).all()
+
+
+def test_a_plans_time_is_that_of_the_comparison_and_no_plan_is_made(monkeypatch):
+    monkeypatch.setattr(Clairvoyant, "_search", lambda *_: pytest.fail("planned once more"))
+    planner = {"spec": "clairvoyant", "planned": True}
+    settings = Settings.of(patients=1, seed=5000, episode_s=10.0).to_mapping()
+    assert cost(planner | {"plan_ms": 1234.0}, settings).decision_ms == 1234.0
+    assert math.isnan(cost(planner, settings).decision_ms)
+
+
+def test_a_comparison_keeps_the_time_of_its_plans(tmp_path):
+    settings = Settings.of(patients=2, seed=5000, episode_s=1.0)
+    for _ in range(2):  # played, and kept
+        entries = load_entries(["slow_opening", "clairvoyant"], settings.world)
+        entries[1].agent.updates = 1
+        fixed, planned = compare(entries, settings, tmp_path).about["entries"]
+        assert planned["plan_ms"] > 0.0 and "plan_ms" not in fixed
 
 
 @pytest.mark.parametrize("without", ["clairvoyant", "refined"])
