@@ -89,6 +89,10 @@ def train(
     resume: Resume = None,
     continue_: Continue = False,
     overwrite: Overwrite = False,
+    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Of --seeds: so many side by side.")] = None,
+    backend: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Of --seeds: loky, this machine; ray, RAY_ADDRESS's cluster.")
+    ] = None,
 ) -> int:
     """Train a policy; Ctrl-C saves a checkpoint that --resume goes on from.
 
@@ -99,6 +103,7 @@ def train(
     from training.run import train as training
     from training.run.config import asked_for
     from training.run.folder import RunFolder
+    from training.run.seeds import train_seeds
 
     console = Console(highlight=False, markup=False)
     changes: dict[str, object] = {
@@ -112,7 +117,7 @@ def train(
     }
     flags = {"continue": continue_, "overwrite": overwrite}
     if resume is not None:
-        others = {"seeds": seeds, "output": output, **changes, **flags}
+        others = {"seeds": seeds, "output": output, "workers": workers, "backend": backend, **changes, **flags}
         if config is not None:
             raise InputError("CONFIG cannot be combined with --resume, which keeps the settings of the run")
         for name in (name for name, value in others.items() if value not in (None, False)):
@@ -135,7 +140,9 @@ def train(
             if value not in (None, False):
                 raise InputError(f"--{name} cannot be combined with --seeds, which begins or continues each run")
         stem_path = output or Path("runs") / stem
-        return training.train_seeds(training_config, training.parse_seeds(seeds), stem_path, console)
+        return train_seeds(training_config, seeds, stem_path, console, workers, backend)
+    for name in (name for name, given in {"workers": workers, "backend": backend}.items() if given is not None):
+        raise InputError(f"--{name} belongs to --seeds, whose runs it spreads")
     run = RunFolder(output or Path("runs") / f"{stem}-seed{training_config.seed}")
     if continue_ and run.exists():
         run.check_settings(training_config)

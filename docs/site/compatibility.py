@@ -1,4 +1,4 @@
-"""Run tests/foreign and write the table of docs/compatibility.md: ``python docs/site/compatibility.py``.
+"""Run tests/foreign and write the table of docs/tables/compatibility.md: ``python docs/site/compatibility.py``.
 
 A row is a test function: its library, the version that is installed, the test's docstring, and how many of its cases
 passed, failed or were skipped. What is not installed is skipped, so install the group ``foreign`` first. The exit code
@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "compatibility.md"
+PAGE = ROOT / "docs" / "tables" / "compatibility.md"
 _BLOCK = re.compile(r"(<!-- table: compatibility -->\n).*?(<!-- end of table -->)", re.DOTALL)
 Row = tuple[str, str]  # library, what was run
 

@@ -67,10 +67,8 @@ def _study_command(
         Path | None, typer.Option(help="Folder of the results; runs/study/NAME by default.", metavar="FOLDER")
     ] = None,
     fresh: options.Fresh = False,
-    workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
-    backend: Annotated[
-        str, typer.Option(help="loky, this machine; ray, the cluster that RAY_ADDRESS names.", metavar="NAME")
-    ] = "loky",
+    workers: options.Workers = None,
+    backend: options.Backend = "loky",
     trust: options.Trust = False,
 ) -> None:
     """Play a study's file: every entry under every setting on the same patients, on all cores (docs/studies.md).

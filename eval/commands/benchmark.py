@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -61,7 +61,8 @@ def _benchmark_command(
     ] = False,
     output: options.Output = Path("runs/benchmark"),
     fresh: options.Fresh = False,
-    workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
+    workers: options.Workers = None,
+    backend: options.Backend = "loky",
     trust: options.Trust = False,
     fresh_seeds: Annotated[
         int | None,
@@ -84,10 +85,10 @@ def _benchmark_command(
     finished: the same command goes on from there.
     """
     from eval.benchmark.tasks import tasks_named
-    from eval.kept.parts import Run
+    from eval.kept.parts import Backend, Run
 
     names = None if tasks is None else [name.strip() for name in tasks.split(",") if name.strip()]
-    run = Run(fresh, workers, console=terminal())
+    run = Run(fresh, workers, cast(Backend, backend), terminal())
     if listing:
         for task in tasks_named(names):
             print(f"{task.id:20s} {task.description}")

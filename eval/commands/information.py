@@ -22,7 +22,7 @@ def _information_command(
         int, typer.Option(help="Of each record, each a likelihood; 0 leaves the bound of the belief.", metavar="N")
     ] = 64,
     played: options.Played = options.Played(Path("runs/information"), 100),
-    workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
+    workers: options.Workers = None,
 ) -> None:
     """Bound the expected information gain of designs and policies, in nats with standard errors (docs/inference.md).
 

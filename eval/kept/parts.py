@@ -125,11 +125,12 @@ def finish(
             progress.say(f"{total - left} of {total} {unit} kept from an earlier run")
         # A process that has compiled or loaded kernels is taken for one that leaks, and replaced: nothing is lost.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
-        _do(missing, work, run, progress)
+        do_parts(missing, work, run, progress)
     return {path: contents[path] if path in contents else read(path) for path in paths}
 
 
-def _do(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run, progress: Progress) -> None:
+def do_parts(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run, progress: Progress) -> None:
+    """Do parts whatever is kept of them, as `finish` says; one that ends is counted."""
     parallel = _parallel(run, max(len(parts), 1))
     if parallel.n_jobs > 1:
         for part in parallel(delayed(_worked)(work, part) for part in parts):
@@ -172,13 +173,12 @@ def _connect_ray(workers: int | None = None) -> int:
 
     if not ray.is_initialized():
         root = str(Path(__file__).parents[2])
-        path = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
-        threads = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+        path = os.pathsep.join(filter(None, (root, os.getcwd(), os.environ.get("PYTHONPATH"))))
         address = os.environ.get("RAY_ADDRESS")
         try:
             ray.init(
                 num_cpus=None if address else workers,
-                runtime_env={"env_vars": {"PYTHONPATH": path, **threads}},
+                runtime_env={"env_vars": {"PYTHONPATH": path, "NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}},
                 log_to_driver=False,
                 logging_level=logging.ERROR,
                 **({} if address else {"include_dashboard": False, "_node_ip_address": LOOPBACK}),

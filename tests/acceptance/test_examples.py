@@ -294,3 +294,14 @@ def test_environments_of_others_methods() -> None:
     done = run("examples/bayesflow_simulator.py")
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == ["theta     (8, 2)", "readings  (8, 21, 12)"]
+
+
+def test_the_jaw_of_mujoco_by_its_own_identification() -> None:
+    pytest.importorskip("tabulate", reason='tabulate is not installed: pip install "mujoco[sysid]"')
+    done = run("-W", "ignore", "examples/mujoco_sysid.py", "--seconds", "0.3")
+    assert done.returncode == 0, done.stderr
+    misfit, *rows = done.stdout.splitlines()[-13:]
+    assert 0.2 < float(misfit.removeprefix("misfit ")) < 1.5, "the fit has the noise's size"
+    found = [[float(word) for word in row.replace("truth", "±").split(maxsplit=1)[1].split("±")] for row in rows]
+    far = [abs(at - truth) > 2.0 * half + 0.1 for at, half, truth in found]
+    assert sum(far) <= 3, done.stdout

@@ -3,6 +3,7 @@
 from typing import Any
 
 import pytest
+from project.documented import ROOT, blocks
 
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL
 from jawenv.envs.registration import ENVIRONMENTS
@@ -16,6 +17,14 @@ _IDS = (*ENVIRONMENTS, KNOWN_WITHIN_SDS)  # version 1 of an id is the same world
 def library(name: str) -> list[pytest.MarkDecorator]:
     """The marks of a module's tests: in the group, of the distribution ``name``."""
     return [pytest.mark.foreign, pytest.mark.library(name)]
+
+
+def recipe(package: str) -> dict[str, Any]:
+    """What the recipe of docs/compatibility.md that imports a package leaves, run in a module of its own."""
+    (block,) = (block for block in blocks(ROOT / "docs" / "compatibility.md", "py") if f"from {package}." in block.text)
+    names: dict[str, Any] = {"__name__": "__main__"}
+    exec(compile(block.text, block.place, "exec"), names)
+    return names
 
 
 def ids_and_controls() -> list[Any]:

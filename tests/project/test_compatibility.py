@@ -1,11 +1,11 @@
-"""docs/compatibility.md has a row for every test of tests/foreign, and none that failed."""
+"""docs/tables/compatibility.md has a row for every test of tests/foreign, and none that failed."""
 
 import ast
 import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "compatibility.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "tables" / "compatibility.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| (\S+) \| (\S+) \| (.+?) \| (.+?) \|$", PAGE, flags=re.M)[1:]
 
 

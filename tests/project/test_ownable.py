@@ -182,6 +182,7 @@ LEAVES = {
         ("tests/references",),
         ("calibration tables", "patient's page", "inference"),
     ),
+    "seeds side by side": Leaf(("training/run/seeds.py",), (TRAINING,), ("tests/training/test_seeds.py",)),
     "tune": Leaf(("training/run/tune.py",), (TRAINING,), ("tests/training/test_tune.py",)),
     "onnx": Leaf(("training/run/onnx_file.py",), (TRAINING,), ("tests/training/test_onnx_file.py",)),
     "learning curves": Leaf(("training/run/plot.py",), (TRAINING,), ("tests/training/test_plot.py",)),

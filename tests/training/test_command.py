@@ -24,7 +24,6 @@ from training.cli import main
 from training.run.callbacks import Interrupt
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
-from training.run.train import parse_seeds
 from training.run.worlds import world_seed
 
 
@@ -216,6 +215,8 @@ def test_damaged_checkpoint_is_named(
         (["--resume", "nowhere"], "nowhere"),
         (["--seeds", "0-2", "--seed", "1"], "--seed"),
         (["--seeds", "3-1"], "3-1"),
+        (["--backend", "ray"], "--backend belongs to --seeds"),
+        (["--seeds", "0", "--backend", "dask"], "backend is 'dask'; allowed: loky, ray"),
         (["--target-discomfort", "-1"], "comfort.target_discomfort_s is -1.0"),
         (["ppo", "--control", "thought"], "'thought'"),
         (["sac", "--residual-on", "wiggle"], "wiggle"),
@@ -327,32 +328,6 @@ def test_too_many_worlds_and_an_unusable_folder_get_one_line(
     error = capsys.readouterr().err
     assert error.startswith("error: too little memory: Unable to allocate 4.00 EiB; fewer worlds")
     assert error.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("text", "seeds"), [("3", [3]), ("0-4", [0, 1, 2, 3, 4]), ("0,1,2", [0, 1, 2]), ("7, 1-2,2", [7, 1, 2])]
-)
-def test_seeds_are_read(text: str, seeds: list[int]) -> None:
-    assert parse_seeds(text) == seeds
-
-
-def test_finished_seeds_are_skipped_unfinished_ones_go_on_and_settings_are_not_mixed(
-    tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    command = [tiny_config, "--output", tmp_path / "study", "--seeds"]
-    assert train(*command, "1", "--steps", 512) == 0
-    assert train(*command, "2", "--steps", 256) == 0
-    capsys.readouterr()
-    assert train(*command, "1-3", "--steps", 512) == 0
-    output = capsys.readouterr().out
-    assert output.count("nothing to do") == 1 and "seed 3, 3 of 3" in output
-    for seed, steps in ((1, [0, 512]), (2, [0, 256, 512]), (3, [0, 512])):
-        run = RunFolder(tmp_path / f"study-seed{seed}")
-        assert run.open().seed == seed and [row["steps"] for row in evaluations(run.path)] == steps
-    tiny_config.write_text(tiny_config.read_text().replace("n_steps: 32", "n_steps: 16"))
-    assert train(*command, "0-1") == 2
-    assert "(arguments)" in capsys.readouterr().err
-    assert not (tmp_path / "study-seed0").exists(), "nothing is begun if one folder has other settings"
 
 
 @pytest.mark.parametrize(

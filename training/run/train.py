@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from operator import attrgetter
 from pathlib import Path
@@ -17,7 +16,7 @@ from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 
 from agents.without_card import plays_in
-from jawenv.base.errors import InputError, shown
+from jawenv.base.errors import InputError
 from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
 from jawenv.envs.configuration import Configuration
@@ -37,9 +36,7 @@ PRICED = 16
 """Patients of an update of `APG` that the worlds play too, for the price of discomfort."""
 INTERRUPTED = 130
 """Exit code of a run that was stopped by a signal, as shells report an interrupt."""
-MOST_SEEDS = 1000
 _TASK = ("algorithm", "env", "residual", "network")
-_SEEDS = re.compile(r"(\d+)(?:-(\d+))?")
 
 
 def start(
@@ -102,42 +99,6 @@ def _check_changes(run: RunFolder, config: TrainingConfig, console: Console) -> 
         )
     if changed:
         console.print(f"changed since the run began: {', '.join(changed)}", soft_wrap=True)
-
-
-def parse_seeds(text: str) -> list[int]:
-    """Seeds from ``0-4``, ``0,1,2`` or both mixed, each once, in the order given."""
-    seeds: list[int] = []
-    for part in text.split(","):
-        match = _SEEDS.fullmatch(part.strip())
-        if match is None:
-            raise InputError(f"seeds is {shown(text)}; allowed: numbers and ranges such as 0-4 or 0,1,2")
-        first, last = int(match[1]), int(match[2] or match[1])
-        if last < first or last - first >= MOST_SEEDS:
-            raise InputError(
-                f"seeds is {shown(text)}; allowed: ranges upwards of at most {MOST_SEEDS} seeds, unlike {part.strip()}"
-            )
-        seeds += range(first, last + 1)
-    return list(dict.fromkeys(seeds))
-
-
-def train_seeds(config: TrainingConfig, seeds: list[int], stem: Path, console: Console) -> int:
-    """Train each seed into the folder ``STEM-seedK``; finished ones are skipped, unfinished ones go on.
-
-    Returns:
-        The exit code: 0, or the code of an interrupted run, after which no other is begun.
-    """
-    plan = [(config.changed(seed=seed), RunFolder(stem.with_name(f"{stem.name}-seed{seed}"))) for seed in seeds]
-    for config_of_seed, run in plan:
-        if run.exists():
-            run.check_settings(config_of_seed)
-        else:
-            run.check_free(overwrite=False)
-    for number, (config_of_seed, run) in enumerate(plan, 1):
-        console.print(f"seed {config_of_seed.seed}, {number} of {len(plan)}: {run.path}", soft_wrap=True)
-        code = resume(run, console, config_of_seed.steps) if run.exists() else start(config_of_seed, run, console)
-        if code:
-            return code
-    return 0
 
 
 def base_targets(config: TrainingConfig, folder: Path | None = None) -> BaseTargets | None:
