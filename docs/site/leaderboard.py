@@ -94,7 +94,7 @@ def _fresh_times(folder: Path) -> dict[tuple[str, str], float]:
     if found.submission != fresh.digest_of(folder):
         raise InputError(f"{path}: is of other files; check the submission again")
     for score in found.scores:
-        submission._check_times(path, score.task, (score.fresh_s,))
+        submission.check_times(path, score.task, (score.fresh_s,))
     return {(score.task, score.agent): score.fresh_s for score in found.scores}
 
 

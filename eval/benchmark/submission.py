@@ -125,13 +125,13 @@ def read(folder: Path) -> Submission:
             f"this jawenv plays {VERSION}, digest {digest()}"
         )
     for score in submission.scores:
-        _check_times(folder / FILE, score.task, (score.score_s, score.low_s, score.high_s))
+        check_times(folder / FILE, score.task, (score.score_s, score.low_s, score.high_s))
     for agent in submission.agents:
         _check_origin(agent, folder / FILE)
     return submission
 
 
-def _check_times(file: Path, task: str, times: Iterable[float | None]) -> None:
+def check_times(file: Path, task: str, times: Iterable[float | None]) -> None:
     """Make sure that times lie within the task's episode; tasks of another version are not known."""
     longest = TASKS[task].episode_s if task in TASKS else math.inf
     for time in times:

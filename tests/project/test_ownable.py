@@ -22,7 +22,7 @@ LARGEST = {
     "lines of a leaf": 2_810,
     "doors of a leaf": 2,
     "longest chain of imports": 31,
-    "public top-level names": 1_553,
+    "public top-level names": 1_554,
     "modules that a step loads": 104,
     "lines that a step loads": 12_806,
     "lines that eval compare loads": 22_976,
