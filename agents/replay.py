@@ -169,11 +169,7 @@ def targets_of(actions: Array, period: float) -> Array:
     Returns:
         (N, T, 4) fractions of the patient's comfort.
     """
-    return followed(goals_of(actions), period)
-
-
-def followed(goals: Array, period: float) -> Array:
-    """Targets (N, T, 4) from rest towards goals (N, T, 4), one each ``period`` (s), as fast as the device lets them."""
+    goals = goals_of(actions)
     fastest = np.array(FASTEST_TARGET) * period
     targets, last = np.empty_like(goals), np.zeros_like(goals[:, 0])
     for step in range(goals.shape[1]):

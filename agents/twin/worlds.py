@@ -17,6 +17,7 @@ from agents.twin.constants import COST_SD, LAWS_PER_DECISION, Patients, Twin
 from agents.twin.mechanics import Forces, Passive, Pose, forces, norm, ramp, wrenches
 from jawenv.device import laws
 from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST, N_CHANNELS, ROLL_FULL_SCALE_RAD
+from jawenv.device.comfort import SPEED
 from jawenv.device.device import TICK
 from jawenv.device.guard import (
     ASKED_MARGIN,
@@ -26,6 +27,7 @@ from jawenv.device.guard import (
     GIVING_WAY,
     RECOVERY,
     REGROW,
+    RELEASE,
     SHRINK_S,
 )
 from jawenv.device.motors import STOP_ONSET_WIDTH
@@ -70,7 +72,7 @@ class Worlds:
         self.by_limit = patients.theta.new_zeros(len(patients), len(COST_SD))
         self.target = patients.rest.new_zeros(len(patients), N_CHANNELS)
         self.size, self.kept, self.thrust = self.target + 1.0, self.target + 1.0, self.target
-        self._margin = self.by_limit + 1.0
+        self._margin, self._release = self.by_limit + 1.0, self.target
         self.belief = Belief(twin, patients, generator, prior)
         # The device takes the mouthpiece for where the nominal anatomy has it; the limits are of where it is.
         self._misplaced = patients.jaw.mouthpiece - twin.jaw.mouthpiece
@@ -156,6 +158,9 @@ class Worlds:
         twist = twin.arms[0, 1].abs() * wanted[:, 3]
         yaw = across * twin.arms[2, 1].abs() / (1e-3 * laws.SIDE_LEVER)
         rates = torch.stack([down - twist, down + twist, forward - yaw, forward + yaw], -1)
+        opening, side, fore_aft, roll = self._release.unbind(-1)
+        let_go = torch.stack([torch.maximum(opening, roll), torch.maximum(side, fore_aft)], -1)
+        rates = rates - let_go.repeat_interleave(2, -1) * self.thrust / twin.servo
         self.motor = self.motor + twin.dt * rates.clamp(-twin.max_rate, twin.max_rate)
 
     def _move(self) -> None:
@@ -238,18 +243,19 @@ class Worlds:
         It is smooth, so that there is a gradient before a limit.
         """
         sd = self.fractions.new_tensor(COST_SD)
-        costs: Tensor = _above(self.fractions - 1.0, sd) / (self.twin.hard - 1.0)
+        costs: Tensor = above(self.fractions - 1.0, sd) / (self.twin.hard - 1.0)
         return costs
 
     def _keep_budget(self) -> None:
         """``jawenv.device.guard.keep_budget`` as it acts on average on margins that shake."""
         twin, sd = self.twin, self.margin.new_tensor(COST_SD)
-        asked = ASKED_MARGIN[0] + self.discomfort / twin.budget * (ASKED_MARGIN[1] - ASKED_MARGIN[0])
+        asked = ASKED_MARGIN * (self.discomfort / twin.budget).square()
         left = self.margin + twin.look_ahead_s / twin.dt * (self.margin - self._margin).clamp(max=0.0)
         missing = asked[:, None] - left
-        lack = (_above(missing, sd) - _above(missing - GIVING_WAY, sd)) / GIVING_WAY
-        lacking = torch.special.ndtr(missing / sd)
-        lack, lacking = ((values[..., None] * twin.drives).amax(-2) for values in (lack, lacking))
+        passed = _share(asked[:, None] - self.margin, sd) * (torch.arange(len(sd)) != SPEED)
+        parts = _share(missing, sd), torch.special.ndtr(missing / sd), passed
+        lack, lacking, passed = ((values[..., None] * twin.drives).amax(-2) for values in parts)
+        self._release = twin.gain(RELEASE) * passed
         fastest = FASTEST_BRAKE * twin.dt * lack.new_tensor(FASTEST)
         less = torch.minimum(self.kept * (1.0 - (-BRAKE * twin.dt * lack).exp()), fastest)
         self.kept = (self.kept - less + (1.0 - lacking) * RECOVERY * twin.dt).clamp(max=1.0)
@@ -266,7 +272,12 @@ class Worlds:
         self.size = torch.where(allowed < self.size, self.size - less, more)
 
 
-def _above(x: Tensor, sd: Tensor) -> Tensor:
+def _share(missing: Tensor, sd: Tensor) -> Tensor:
+    """Expectation of ``missing`` margin that shakes, over ``GIVING_WAY`` and within 0 and 1."""
+    return (above(missing, sd) - above(missing - GIVING_WAY, sd)) / GIVING_WAY
+
+
+def above(x: Tensor, sd: Tensor) -> Tensor:
     """Expectation of max(0, x + sd e) with e from N(0, 1): sd (phi(z) + z Phi(z)), z = x / sd."""
     z = x / sd
     expected: Tensor = sd * ((-0.5 * z.square()).exp() / sqrt(2.0 * pi) + z * torch.special.ndtr(z))

@@ -2,7 +2,8 @@
 
 They shrink by two factors. ``size`` is for every episode: little is left of a limit. ``budget.size`` is for an episode
 with a budget of discomfort: the nearer its end, the more margin is asked for, and a channel that drives a limit beyond
-it gives way. The budget is spent by what the device takes the discomfort to be; it is never told the true one.
+it gives way, and its motors let go. The budget is spent by what the device takes the discomfort to be; it is never told
+the true one.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.device.channels import CHANNELS, N_CHANNELS
-from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS
+from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS, SPEED
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 
@@ -45,7 +46,7 @@ DRIVERS: dict[str, tuple[str, ...]] = {
     "speed": CHANNELS,
     "tension": ("opening", "side"),
 }
-ASKED_MARGIN = (0.0, 0.3)  # with all of the budget left and with none; more and more beyond
+ASKED_MARGIN = 0.6  # with nothing left of the budget, and as the square of the spent share before and beyond
 # A margin counts as it will be in so many s, if it goes on falling as it does. Opening and side end where their targets
 # do, so half as long; the speed shakes, and counts as it is.
 LOOK_AHEAD_S = dict.fromkeys(COMFORT_LIMITS, 0.2) | {"opening": 0.1, "side": 0.1, "speed": 0.0}
@@ -53,6 +54,9 @@ GIVING_WAY = 0.1  # of margin: so much less than is asked for takes a channel ba
 BRAKE = 5.0  # 1/s, of a channel's size then
 FASTEST_BRAKE = 4.0  # times ``FASTEST``
 RECOVERY = 0.5  # 1/s, back towards full size
+# 1/s, by which motors let go of their thrust where so much margin is missing now. Targets alone do not take a jaw back:
+# soft servos hold a stiff one by a thrust that grew over a second, and push it aside as its muscles slacken.
+RELEASE = 4.0
 
 _LIMITS = (*COMFORT_LIMITS, "crest")
 _GUARD = np.array([[GUARDS.get(limit, {}).get(channel, np.inf) for channel in CHANNELS] for limit in _LIMITS])
@@ -68,6 +72,7 @@ class _Budget:
     hard: Annotated[Array, N_LIMITS]  # limits over the soft ones
     margin: Annotated[Array, N_LIMITS]  # as last seen
     size: Annotated[Array, N_CHANNELS]  # what the targets are multiplied by, 0 to 1
+    release: Annotated[Array, N_CHANNELS]  # 1/s, at which motors let go
 
 
 class Tracker:
@@ -116,7 +121,7 @@ def shrink(size, margin, crest_margin, dt):
 
 @njit
 def keep_budget(budget: _Budget, margin, dt):
-    """Spend the budget by the discomfort of a moment, and change its ``size``.
+    """Spend the budget by the discomfort of a moment, and change its ``size`` and ``release``.
 
     Args:
         budget: record of ``_Budget``.
@@ -125,14 +130,17 @@ def keep_budget(budget: _Budget, margin, dt):
     """
     for limit in range(N_LIMITS):
         budget.spent += dt * max(-margin[limit], 0.0) / (budget.hard[limit] - 1.0)
-    asked = ASKED_MARGIN[0] + budget.spent / budget.whole * (ASKED_MARGIN[1] - ASKED_MARGIN[0])
+    asked = ASKED_MARGIN * (budget.spent / budget.whole) ** 2
     for channel in range(N_CHANNELS):
-        lack = 0.0
+        lack = passed = 0.0
         for limit in range(N_LIMITS):
             if _DRIVES[limit, channel]:
                 falls = min(margin[limit] - budget.margin[limit], 0.0)
                 left = margin[limit] + _AHEAD_S[limit] / dt * falls
                 lack = max(lack, min((asked - left) / GIVING_WAY, 1.0))
+                if limit != SPEED:  # to let go is to move
+                    passed = max(passed, min((asked - margin[limit]) / GIVING_WAY, 1.0))
+        budget.release[channel] = RELEASE * passed
         if lack > 0.0:
             fastest = FASTEST_BRAKE * FASTEST[channel] * dt
             budget.size[channel] -= min(budget.size[channel] * lack * BRAKE * dt, fastest)

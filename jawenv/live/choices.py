@@ -14,6 +14,8 @@ from jawenv.live.levels import GAME, OWN, level_of
 from jawenv.live.setup import LONGEST_S, SHORTEST_S, Setup
 from jawenv.playing.rollout import LARGEST_SEED
 
+_LARGEST_BUDGET_S = 100.0
+
 
 class Choices:
     """Choices of a patient and of a model; ``setup`` is what they say.
@@ -46,6 +48,14 @@ class Choices:
                 "episode_s": gui.add_number(
                     "Episode, s", setup.world.episode_s, min=SHORTEST_S, max=LONGEST_S, step=0.5
                 ),
+                "comfort_budget_s": gui.add_number(
+                    "Comfort budget, s",
+                    setup.world.comfort_budget_s or 0.0,
+                    min=0.0,
+                    max=_LARGEST_BUDGET_S,
+                    step=0.001,
+                    hint="Discomfort that the device keeps in targets control; 0 for none",
+                ),
             }
             gui.add_button("New episode").on_click(leave(change))
 
@@ -53,6 +63,7 @@ class Choices:
         """The chosen setup."""
         values = {name: field.value for name, field in self.fields.items()}
         seed = int(values.pop("seed"))
+        values["comfort_budget_s"] = values["comfort_budget_s"] or None
         patient = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._knowledge[values["knowledge"]]}
         return Setup(replace(self._world, **(values | patient)), seed)
 

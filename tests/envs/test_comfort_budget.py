@@ -12,7 +12,7 @@ import jawenv
 from jawenv.base.errors import InputError
 from jawenv.device.channels import CHANNELS
 from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS
-from jawenv.device.guard import DRIVERS, TRACKER, keep_budget
+from jawenv.device.guard import DRIVERS, RELEASE, TRACKER, keep_budget
 from jawenv.envs.observation import observation_layout
 from jawenv.playing.excitation import EXCITATIONS
 from jawenv.playing.maneuvers import Player
@@ -63,13 +63,30 @@ def test_more_margin_is_asked_for_as_the_budget_is_spent():
     assert sizes[0] > sizes[1] + 0.05
 
 
+@pytest.mark.parametrize("limit", COMFORT_LIMITS)
+def test_motors_let_go_where_margin_is_missing_but_for_speed(limit):
+    budget, margin = budget_of(whole=10.0), np.ones(N_LIMITS)
+    keep_budget(budget, margin, 0.05)
+    assert (budget["release"] == 0.0).all()
+    margin[COMFORT_LIMITS.index(limit)] = -1.0
+    keep_budget(budget, margin, 0.05)
+    drive = [channel in DRIVERS[limit] and limit != "speed" for channel in CHANNELS]
+    np.testing.assert_array_equal(budget["release"], RELEASE * np.array(drive))
+
+
+def test_a_stiff_jaw_is_let_go_within_a_budget():
+    """Its motors hold it by thrusts that push it aside as it closes: targets that shrink do not take them back."""
+    kept = discomfort_of(Player("information_optimal"), "blockage", 24, comfort_budget_s=BUDGET_S)
+    assert np.mean(kept > BUDGET_S) <= 0.05
+
+
 @pytest.mark.parametrize("agent", ["refined", "random"])
 @pytest.mark.parametrize("cohort", ["healthy", "one_sided"])
 def test_a_budget_is_kept_for_most_patients(agent, cohort):
     player = EXCITATIONS[agent](5.0) if agent in EXCITATIONS else Player(agent)
     free, kept = (discomfort_of(player, cohort, 16, comfort_budget_s=budget) for budget in (None, BUDGET_S))
     assert free.mean() > BUDGET_S
-    assert kept.mean() < 0.5 * free.mean() and np.mean(kept > BUDGET_S) <= 0.2
+    assert kept.mean() < 0.5 * free.mean() and np.mean(kept > BUDGET_S) <= 0.07
 
 
 def test_info_and_observation_have_what_is_spent_and_it_is_about_true():

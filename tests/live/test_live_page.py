@@ -231,6 +231,23 @@ def test_another_patient_and_a_refused_choice(tmp_path):
         assert "knowledge is not exact" in page._view._status.content
 
 
+def test_a_budget_is_chosen_and_kept_and_refused_where_no_targets_are_followed(tmp_path):
+    with serving(0) as server:
+        page = Page(server, Setup.of(seed=500, cohort="healthy", episode_s=6.0), tmp_path, driver="refined")
+        assert page.session.setup.world.comfort_budget_s is None
+        spent = []
+        for budget_s in (0.0, 0.02):
+            page._choices.fields["comfort_budget_s"].value = budget_s
+            page._fulfil(page._change)
+            while not page.session.ended:
+                page.step()
+            spent.append(page.session.outcome().discomfort_s)
+        assert spent[1] < 0.5 * spent[0] and page.session.setup.world.comfort_budget_s == 0.02
+        page._choices.fields["control"].value = "force"
+        page._fulfil(page._change)
+        assert "comfort_budget_s is 0.02" in page._view._status.content
+
+
 def test_a_ghost_moves_in_step_and_comes_along_to_another_patient(tmp_path):
     with serving(0) as server:
         page = Page(server, Setup.of(seed=500, episode_s=2.0), tmp_path)

@@ -10,11 +10,13 @@ import gymnasium as gym
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from torch import Tensor
 
 import jawenv  # noqa: F401  registers its environments
 from agents.registry import load_agent
 from agents.twin.constants import Patients, Twin
-from agents.twin.worlds import Worlds
+from agents.twin.worlds import Worlds, above
 from jawenv.base.errors import InputError
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.device.comfort import COMFORT_LIMITS
@@ -38,6 +40,8 @@ _ADMITTED_S = 1.0 / 30.0
 """Discomfort in 10 s."""
 SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
 """Of the perturbations, and how often."""
+_SDS = (1e-3, 1.0)
+"""Between which the shaking of a used fraction is sought."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,7 @@ class Agreement:
     error: NDArray[Any]  # (N,) of the log parameter that the filter knows least, its estimate less the truth
     discomfort_s: NDArray[Any]  # (2, N, 8) of each comfort limit, in 10 s
     names: tuple[str, ...]  # of what was played
+    shaking: NDArray[Any]  # (8,) sd of each used fraction with which the twin's discomfort is the environment's, or NaN
 
     def correlation(self) -> float:
         """Correlation between the two rows of ``worst``."""
@@ -80,13 +85,14 @@ class Agreement:
 
     def _by_limit(self) -> list[str]:
         """Markdown rows: discomfort of each limit in both, shares of patients above ``_ADMITTED_S``, correlation."""
-        rows = ["| limit | discomfort, s | of the twin | correlation |", "|---|--:|--:|--:|"]
+        rows = ["| limit | discomfort, s | of the twin | correlation | fitted sd |", "|---|--:|--:|--:|--:|"]
         limits = dict(zip(COMFORT_LIMITS, np.moveaxis(self.discomfort_s, -1, 0), strict=True))
-        whole = self.discomfort_s.sum(-1)
+        whole, fitted = self.discomfort_s.sum(-1), dict(zip(COMFORT_LIMITS, self.shaking, strict=True))
         for name, (felt, of_twin) in [*limits.items(), ("all", whole)]:
             alike = np.corrcoef(felt, of_twin)[0, 1] if felt.std() > 0.0 and of_twin.std() > 0.0 else np.nan
-            shown = "–" if np.isnan(alike) else f"{alike:.2f}"
-            rows.append(f"| {name} | {felt.mean():.4f} | {of_twin.mean():.4f} | {shown} |")
+            sd = fitted.get(name, np.nan)
+            shown = ["–" if np.isnan(value) else f"{value:.{digits}f}" for value, digits in ((alike, 2), (sd, 3))]
+            rows.append(f"| {name} | {felt.mean():.4f} | {of_twin.mean():.4f} | {' | '.join(shown)} |")
         above = (whole > _ADMITTED_S).mean(axis=1)
         return [*rows, "", f"Above {_ADMITTED_S:.3f} s: {above[0]:.0%} of the patients, {above[1]:.0%} of the twin's."]
 
@@ -127,6 +133,7 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int, agent: str | N
         player.reset(patients)
         introduce(player, env)
     discomfort, running = np.zeros((2, patients, len(COMFORT_LIMITS))), np.ones(patients, dtype=bool)
+    used = np.zeros((patients, steps, len(COMFORT_LIMITS)))
     for step in range(steps):
         if player is not None:
             targets[:, step] = goals_of(player.predict(observation)[0])
@@ -135,6 +142,7 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int, agent: str | N
         discomfort[0] += np.stack([info[f"cost_{name}"] for name in COMFORT_LIMITS], -1) * twin.decision_s
         with torch.no_grad():
             worlds.step(torch.tensor(targets[:, step]))
+        used[:, step] = worlds.fractions
     discomfort[1] = worlds.by_limit.numpy()
     env.close()
     variances = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).numpy()
@@ -143,4 +151,23 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int, agent: str | N
     error = simulation.worlds["known"]["belief"]["mean"][least] - simulation.worlds["truth"]["log_parameters"][least]
     names = MANEUVERS if agent is None else (agent,)
     played = np.arange(patients) % len(names)
-    return Agreement(played[running], worst[:, running], error[running], discomfort[:, running], names)
+    own = (used[running].reshape(-1, len(COMFORT_LIMITS)) - 1.0) / (twin.hard.numpy() - 1.0)
+    shaking = (twin.hard.numpy() - 1.0) * _shaking(own, discomfort[0, running].mean(0) / HORIZON_S)
+    return Agreement(played[running], worst[:, running], error[running], discomfort[:, running], names, shaking)
+
+
+def _shaking(costs: Array, felt: Array) -> Array:
+    """Sds (8,) of costs (K, 8), below 0 within a limit, with which what is above 0 of them is on average ``felt`` (8,).
+
+    NaN where none is: nothing was felt, or more would be without any shaking.
+    """
+    found = np.full(len(felt), np.nan)
+    for limit, mean in enumerate(felt):
+        cost = torch.tensor(costs[:, limit])
+
+        def more(sd: float, cost: Tensor = cost, mean: float = mean) -> float:
+            return float(above(cost, torch.tensor(sd)).mean() - mean)
+
+        if mean > 0.0 and more(_SDS[0]) < 0.0 < more(_SDS[1]):
+            found[limit] = brentq(more, *_SDS)
+    return found

@@ -21,15 +21,16 @@ from jawenv.device.channels import (
     SIDE,
 )
 from jawenv.device.comfort_settings import Comfort
-from jawenv.device.device import DeviceRecord
+from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.guard import CREST_SHARE, Tracker, keep_budget, shrink
-from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts
+from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts, within
 from jawenv.envs.world.layout import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
 from jawenv.kernels.compiled import njit
 
 # What the law takes where it is not told.
 _CREST_M, _FORCE_N = pi / default_fossa().spatial_frequency, Comfort().force_N
 _POSE, _JAW = OBSERVATION_REST["pose"].start, OBSERVATION_REST["jaw"].start
+_THRUST = OBSERVATION_REST["motor_thrust"].start
 _RANGE, _FORCE = OBSERVATION_REST["jaw_range"].start, OBSERVATION_REST["force"].start
 _MARGIN, _END = OBSERVATION_REST["comfort_margin"].start, OBSERVATION_REST["comfort_margin"].stop
 
@@ -74,6 +75,15 @@ def wanted_by(sensed, tracker: Tracker):
 
 
 @njit
+def _let_go(device: DeviceRecord, sensed, release, action):
+    """Take thrust from the motors of channels that a budget releases: the upright, then the level pair."""
+    rates = max(release[OPENING], release[ROLL]), max(release[SIDE], release[FORE_AFT])
+    for motor in range(N_MOTORS):
+        lead = sensed[_THRUST + motor] * device.full_scale / device.servo_stiffness
+        action[motor] = within(action[motor] - rates[motor // 2] * lead / device.max_rate, 1.0)
+
+
+@njit
 def follow(device: DeviceRecord, observation, parameters, tracker: Tracker, with_servo, holds_roll, dt, action):
     """One decision of the law.
 
@@ -102,6 +112,8 @@ def follow(device: DeviceRecord, observation, parameters, tracker: Tracker, with
     targets, felt = wanted_by(sensed, tracker), _felt_by(sensed, tracker.rest_roll)
     if with_servo:
         servo_rates(device, targets, felt, action)
+        if tracker.budget.whole > 0.0:
+            _let_go(device, sensed, tracker.budget.release, action)
     else:
         thrusts(device, targets, felt, holds_roll, tracker.integral, dt, action)
 
