@@ -21,7 +21,7 @@ from training.search.optimise import (
     Judge,
     Judged,
     Knots,
-    length_s,
+    _length_s,
     nominal_patient,
     search,
 )
@@ -41,7 +41,7 @@ def test_without_offsets_a_maneuver_is_itself(name):
 
 def test_what_lies_behind_the_horizon_stays():
     base = Maneuver.named("refined")
-    assert length_s(base) == 30.0 and length_s(Maneuver.named("opening_with_swings")) == 0.0
+    assert _length_s(base) == 30.0 and _length_s(Maneuver.named("opening_with_swings")) == 0.0
     knots = Knots(base, 4.0)
     changed = knots.targets(knots.start + 0.3)
     late = STEP_S * np.arange(27, 151)  # a second later any difference is caught up

@@ -64,7 +64,7 @@ class Knots:
 
     def __init__(self, base: Maneuver, horizon_s: float) -> None:
         self.base = base
-        times: Array = STEP_S * np.arange(1.0, round(max(horizon_s, length_s(base)) / STEP_S) + 1)
+        times: Array = STEP_S * np.arange(1.0, round(max(horizon_s, _length_s(base)) / STEP_S) + 1)
         self._targets: Array = base.targets(times).value
         knots = KNOT_S * np.arange(1, max(1, round(horizon_s / KNOT_S)) + 1)
         self._weights = np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None)
@@ -82,7 +82,7 @@ class Knots:
         return maneuver_of_targets(self.targets(numbers), STEP_S, header, return_s=RETURN_S)
 
 
-def length_s(maneuver: Maneuver) -> float:
+def _length_s(maneuver: Maneuver) -> float:
     """Length of a maneuver of keyframes until it goes back to rest (s); 0 for one that has other signals."""
     signals = [maneuver.channels.signal(name) for name in CHANNELS]
     keyframes = [signal for signal in signals if isinstance(signal, Keyframes)]
