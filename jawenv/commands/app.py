@@ -140,13 +140,14 @@ def _suggest_command(
     knowledge: Annotated[str | None, typer.Option(help="What is known of anatomy and device.", metavar="NAME")] = None,
     columns: options.Columns = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an older maneuver.")] = False,
+    page: Annotated[Path | None, typer.Option(help="Also write a page with its film.", metavar="FILE.html")] = None,
 ) -> None:
     """Suggest the movement to record next: made for the estimates of this recording (docs/recordings.md)."""
     from jawenv.commands.suggest import suggest_next
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns}
     wanted = {"seconds": seconds, "search": search, "asked": asked}
-    suggest_next(recording, output, wanted, reading, overwrite)
+    suggest_next(recording, output, wanted, reading, overwrite, page)
 
 
 @app.command("import")

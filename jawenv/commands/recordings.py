@@ -95,10 +95,10 @@ def check(path: Path, reading: Mapping[str, Any]) -> int:
     return 0 if all(finding.plausible for finding in checks) else NOT_BELIEVABLE
 
 
-def page_writer() -> Any:
-    """The writer of a patient's page, which a clone of the project has and the wheel has not."""
+def page_writer(module: str = "eval.patient.recordings") -> Any:
+    """A page's writer ``write_page`` of a module, which a clone of the project has and the wheel has not."""
     try:
-        return importlib.import_module("eval.patient.recordings").write_page
+        return importlib.import_module(module).write_page
     except ModuleNotFoundError as error:
         raise MissingPackageError(
             f"--page: {error.name} is not installed; allowed in a clone of the project, with its extra eval "

@@ -53,6 +53,7 @@ class _Expected:
     low: float
     high: float
     discomfort_s: float
+    sds: Array  # (p,) median error bar of each parameter
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,10 @@ class _Suggestion:
     expected: _Expected  # with the maneuver
     beside: _Expected  # with ``BESIDE`` in its place
     again: float  # largest error bar if the next recording told what this one did
+    patient: Patient  # whom the estimates describe
+    seed: int  # with which the device can treat him
+    world: dict[str, Any]  # arguments of the environment of the next recording
+    parameter_names: tuple[str, ...]
 
     def movement(self) -> str:
         """The movement in words."""
@@ -131,7 +136,8 @@ def suggest(
     patients = [_as_patient(row, model[1]) for row in drawn_from(mean[None], cov[None], _DRAWS, 0)[0]]
     known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
     told("playing its estimates")
-    actions = [suggested_actions([_as_patient(mean, model[1])], world)]
+    believed = _as_patient(mean, model[1])
+    actions = [suggested_actions([believed], world)]
     if search:
         actions.append(
             searched_actions(
@@ -143,7 +149,8 @@ def suggest(
     *expected, beside = (_expected(Player(one), patients, world, known, counted) for one in maneuvers)
     best, maneuver = min(zip(expected, maneuvers, strict=False), key=lambda pair: pair[0].median)
     again = _worst(np.linalg.inv(2.0 * known - prior), counted)
-    return _Suggestion(found, maneuver, _worst(cov, counted), best, beside, again)
+    seed, names = seeds_of([believed], world)[0], record.parameter_names
+    return _Suggestion(found, maneuver, _worst(cov, counted), best, beside, again, believed, seed, world, names)
 
 
 def _as_patient(theta: Array, tilt_deg: float = 0.0) -> Patient:
@@ -228,9 +235,10 @@ def _expected(player: Player, patients: list[Patient], world: dict[str, Any], kn
     played = play(player, patients=patients, seed=seeds_of(patients, world), env_kwargs=world)
     prior = Prior(played.prior_mean, played.prior_sd)
     told = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)
-    worst = [_worst(np.linalg.inv(known + one), counted) for one in told]
-    low, median, high = np.quantile(worst, [0.05, 0.5, 0.95])
-    return _Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()))
+    covs = [np.linalg.inv(known + one) for one in told]
+    low, median, high = np.quantile([_worst(cov, counted) for cov in covs], [0.05, 0.5, 0.95])
+    sds = np.median([np.sqrt(np.diagonal(cov)) for cov in covs], axis=0)
+    return _Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()), sds)
 
 
 def _worst(cov: Any, counted: Any) -> float:

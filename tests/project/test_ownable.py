@@ -50,7 +50,7 @@ LEAVES = {
         ("jawenv/rendering/*", "jawenv/envs/pictures.py", "jawenv/envs/shown_world.py"),
         FORMS,
         ("tests/rendering", "tests/envs/test_vector_pictures_and_attributes.py"),
-        ("live page", "films", "report", "patient's page", "motion in the report"),
+        ("live page", "films", "report", "patient's page", "motion in the report", "suggest"),
     ),
     "trackers": Leaf(("jawenv/trackers/*",), (JAWENV,), ("tests/trackers",)),
     "files as they are": Leaf(
@@ -147,9 +147,13 @@ LEAVES = {
         ("eval/episodes/film.py", "eval/episodes/video.py", "jawenv/rendering/film.py"),
         (EVAL,),
         ("tests/eval/episodes/test_film.py",),
-        ("report",),
+        ("report", "suggest"),
     ),
-    "suggest": Leaf(("jawenv/suggesting/*", "jawenv/commands/suggest.py"), (JAWENV,), ("tests/suggesting",)),
+    "suggest": Leaf(
+        ("jawenv/suggesting/*", "jawenv/commands/suggest.py", "eval/episodes/suggested.py"),
+        (JAWENV,),
+        ("tests/suggesting",),
+    ),
     "design environments": Leaf(("jawenv/design/*",), (), ("tests/design",)),
     "static bound": Leaf(("agents/static_bound.py",), (), ("tests/agents/test_static_bound.py",), ("contest",)),
     "contest": Leaf(

@@ -1,5 +1,7 @@
 """What to record next: made for the patient, expected honestly, and refused where the recording is."""
 
+import base64
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -25,14 +27,25 @@ def recording(tmp_path_factory):
 
 def test_the_next_movement_is_a_maneuver_that_tells_more_than_the_same_again(recording, tmp_path, capsys):
     output = tmp_path / "next.yaml"
-    assert main(["suggest", str(recording), "-o", str(output)]) == 0
+    page = tmp_path / "next.html"
+    assert main(["suggest", str(recording), "-o", str(output), "--page", str(page)]) == 0
     said = capsys.readouterr().out
+    assert_tells(page.read_text(encoding="utf-8"), said)
     assert "least known now: " in said and "next: opens to " in said and "in its place: the same again" in said
     assert Maneuver.load(output).channels.side is not None
     assert main(["suggest", str(recording), "-o", str(output)]) == 2
     assert "exists already" in capsys.readouterr().err
     assert main(["suggest", str(recording), "-o", str(tmp_path / "next.txt")]) == 2
     assert "ends in .yaml" in capsys.readouterr().err
+
+
+def assert_tells(page, said):
+    """The page has a film, a row for each way to go on, and the figures that are printed."""
+    film = base64.b64decode(re.search(r"data:video/mp4;base64,([^\"]+)", page)[1])
+    assert film[4:8] == b"ftyp" and len(film) > 20_000
+    assert page.count('<th scope="row">') == 4 and "after the same again" in page
+    expected = re.search(r"expected after 10 s more: ([0-9.]+)%", said)[1]
+    assert f"<td>{expected} %" in page
 
 
 def test_what_is_expected_is_below_what_is_known_and_the_same_again(recording):
