@@ -19,8 +19,8 @@ from training.search.optimise import (
     SIZE,
     STEP_S,
     Judge,
-    Judged,
     Knots,
+    _Judged,
     _length_s,
     nominal_patient,
     search,
@@ -125,7 +125,7 @@ def test_the_nominal_patient_has_the_cohorts_medians():
 def bowl(maneuvers):
     """A judge with a minimum at maneuvers whose peak of side is 0.3."""
     peaks = [m.channels.signal("side").value(np.arange(0.0, 4.0, 0.1)).max() for m in maneuvers]
-    return [Judged((peak - 0.3) ** 2, 0.0, 0.0, 0.0, 0.0, 0.1) for peak in peaks]
+    return [_Judged((peak - 0.3) ** 2, 0.0, 0.0, 0.0, 0.0, 0.1) for peak in peaks]
 
 
 def test_the_search_finds_a_minimum_and_goes_on_where_it_was_stopped(tmp_path):

@@ -95,7 +95,7 @@ def knots_of(design: Refinement) -> Knots:
     return Knots(design.maneuver(), design.horizon_s)
 
 
-class Judged(NamedTuple):
+class _Judged(NamedTuple):
     """A candidate's figures."""
 
     loss: float  # figure that CMA-ES ranks
@@ -136,7 +136,7 @@ class Judge:
         self._design = design
         self._env: Any = None
 
-    def __call__(self, candidates: Sequence[Maneuver]) -> list[Judged]:
+    def __call__(self, candidates: Sequence[Maneuver]) -> list[_Judged]:
         """Figures of every candidate, all played with the same patients and noise."""
         design = self._design
         patients = 1 if design.over == "nominal" else design.patients
@@ -174,7 +174,7 @@ class Judge:
             values = np.linalg.slogdet(covariance)[1] / (2.0 * covariance.shape[1])
         return np.where(np.isfinite(values), values, INFEASIBLE)
 
-    def _judge(self, uncertainty: Array, discomfort: Array, violated: Array, governor: Array, worst: Array) -> Judged:
+    def _judge(self, uncertainty: Array, discomfort: Array, violated: Array, governor: Array, worst: Array) -> _Judged:
         """One candidate's figures from its patients' figures."""
         tail = max(1, round(TAIL * len(uncertainty)))
         value = float(np.sort(uncertainty)[-tail:].mean() if self._design.over == "tail" else uncertainty.mean())
@@ -182,7 +182,7 @@ class Judge:
         excess += max(0.0, float(governor.mean()) / GOVERNOR - 1.0) + 100.0 * float(violated.mean())
         loss = value if excess == 0.0 else INFEASIBLE + excess
         means = float(discomfort.mean()), float(violated.mean()), float(governor.mean())
-        return Judged(loss, value, *means, float(np.median(worst)))
+        return _Judged(loss, value, *means, float(np.median(worst)))
 
 
 def nominal_patient(cohort: str) -> Patient:
@@ -200,14 +200,14 @@ class Found(NamedTuple):
     """The best candidate so far: its numbers, and its figures."""
 
     numbers: Array
-    judged: Judged
+    judged: _Judged
 
 
 def search(
     design: Refinement,
     log: Path,
     report: Callable[[int, float], None],
-    judge: Callable[[Sequence[Maneuver]], list[Judged]] | None = None,
+    judge: Callable[[Sequence[Maneuver]], list[_Judged]] | None = None,
 ) -> Found:
     """Search, and keep the state after every generation in ``log``, from which a search that was stopped goes on.
 
