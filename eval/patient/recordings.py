@@ -55,6 +55,7 @@ def write_page(
         f"alarm: {alarm_word(result.misfit)}. Assumed: {assumed}",
         notice="Research, not a medical device." + (" The patient is simulated." if simulated else ""),
         prior=record.prior,
+        recorded=True,
     )
     command = shlex.join(["jawenv", "identify", str(recording), "--page", str(target)])
     return page.write(page.render(subject, [treatment], made_with(command), simulated), target)

@@ -111,7 +111,9 @@ def _identify_command(
         from jawenv.commands.several import identify_together
 
         return identify_together(recordings, reading, page, json, clocks, check_only)
-    return check(recordings[0], reading) if check_only else identify(recordings[0], reading, page, json, clocks)
+    if check_only:
+        return check(recordings[0], reading, {"clocks": clocks, "page": page, "json": json})
+    return identify(recordings[0], reading, page, json, clocks)
 
 
 @app.command("doctor")

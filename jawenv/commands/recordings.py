@@ -43,7 +43,7 @@ def identify(
     if is_log(table, reading["columns"]):
         from jawenv.commands.stretcher import identify_log
 
-        return identify_log(table, reading, page, answer)
+        return identify_log(table, reading, {"page": page, "clocks": clocks or None}, answer)
     write_page = None if page is None else page_writer()
     for output in (page, answer):
         if output is not None:
@@ -82,12 +82,19 @@ def identify(
     return 0 if result.believable else NOT_BELIEVABLE
 
 
-def check(path: Path, reading: Mapping[str, Any]) -> int:
+def check(path: Path, reading: Mapping[str, Any], others: Mapping[str, Any]) -> int:
     """Print whether a recording can be one of a jaw on a device, quantity by quantity; nothing is estimated.
+
+    Args:
+        path: of the file.
+        reading: arguments of ``load_record``.
+        others: options of an estimate, none of which may be given.
 
     Returns:
         Exit code: 0, or 3 where a quantity is not plausible.
     """
+    for name in (name for name, value in others.items() if value):
+        raise InputError(f"--{name} with --check, which estimates nothing; allowed: one of the two")
     checks = findings(load_record(path, **reading))
     for finding in checks:
         word = "ok " if finding.plausible else "NOT"

@@ -20,7 +20,7 @@ from jawenv.recordings.estimate import Array, Estimate
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
-from jawenv.recordings.several.together import agreement, combined, together
+from jawenv.recordings.several.together import MOST, agreement, combined, together
 from jawenv.recordings.untold.learnt import identified_with_errors
 
 
@@ -47,6 +47,8 @@ def identify_together(
     """
     if check_only or reading["before"] is not None:
         raise InputError(f"--{'check' if check_only else 'before'} with several recordings; allowed: with one")
+    if len(paths) > MOST:
+        raise InputError(f"{len(paths)} recordings; allowed: 2 to {MOST}")
     for output in (page, answer):
         if output is not None:
             check_kept(output, [*paths, reading.get("columns")])

@@ -30,21 +30,21 @@ ALLOWED = ("cohort", "columns", "before")
 TELLS = "This log tells how stiff the jaw is, not where."
 
 
-def identify_log(table: RecordTable, reading: Mapping[str, Any], page: Path | None, answer: Path | None) -> int:
+def identify_log(table: RecordTable, reading: Mapping[str, Any], others: Mapping[str, Any], answer: Path | None) -> int:
     """Print what a log of force and opening tells, and whether it is to be believed.
 
     Args:
         table: as read.
         reading: options of the command: ``cohort``, ``columns`` and ``before``, an earlier log of the same patient.
-        page: must be None, as every other option.
+        others: further options by name, all None.
         answer: where all is written as JSON; None for nowhere.
 
     Returns:
         Exit code: 0, or 3 where a log is not to be believed.
     """
-    given = {name for name, value in ({**reading, "page": page}).items() if value is not None}
-    if others := sorted(given.difference(ALLOWED)):
-        name, allowed = others[0].removesuffix("_hz"), ", ".join(f"--{name}" for name in (*ALLOWED, "json"))
+    given = {name for name, value in ({**reading, **others}).items() if value is not None}
+    if refused := sorted(given.difference(ALLOWED)):
+        name, allowed = refused[0].removesuffix("_hz"), ", ".join(f"--{name}" for name in (*ALLOWED, "json"))
         raise InputError(f"{table.path}: --{name} with a log of force and opening; allowed: {allowed}")
     columns, before = reading["columns"], reading["before"]
     if answer is not None:

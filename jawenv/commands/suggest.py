@@ -34,7 +34,7 @@ def suggest_next(
         raise InputError(f"--output: {output}; allowed: a file that ends in .yaml")
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
-    write_page = None if page is None else page_writer("eval.episodes.suggested")
+    write_page = None if page is None else page_writer("eval.report.suggested")
     if page is not None:
         check_kept(page, [path, output, reading.get("columns")])
     record = load_record(path, UNKNOWN, **reading)

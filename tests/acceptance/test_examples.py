@@ -5,6 +5,7 @@ import os
 import runpy
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -305,3 +306,19 @@ def test_the_jaw_of_mujoco_by_its_own_identification() -> None:
     found = [[float(word) for word in row.replace("truth", "±").split(maxsplit=1)[1].split("±")] for row in rows]
     far = [abs(at - truth) > 2.0 * half + 0.1 for at, half, truth in found]
     assert sum(far) <= 3, done.stdout
+
+
+def test_learned_designs_are_trained_and_play(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(ROOT))
+    monkeypatch.setattr("sys.argv", ["deep_adaptive_design.py", "--updates", "12"])
+    example = import_module("examples.deep_adaptive_design")
+    example.main()
+    model, *bounds = capsys.readouterr().out.splitlines()
+    assert float(model.split()[4]) < 0.6, "N between the model of the reading and the simulator"
+    assert all(2.0 < float(line.split(": ")[1].split()[0]) < 6.93 for line in bounds) and len(bounds) == 2
+    for agent in (example.DeepAdaptiveDesign(), example.RLBOED(), example.AtOnce()):
+        played = jawenv.play(agent, patients=2, seed=0, env_id=example.ENV, env_kwargs={"episode_s": 3.0})
+        assert played.belief_sd[:, -1].max() < 0.1, agent.name

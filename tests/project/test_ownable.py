@@ -150,7 +150,7 @@ LEAVES = {
         ("report", "suggest"),
     ),
     "suggest": Leaf(
-        ("jawenv/suggesting/*", "jawenv/commands/suggest.py", "eval/episodes/suggested.py"),
+        ("jawenv/suggesting/*", "jawenv/commands/suggest.py", "eval/report/suggested.py"),
         (JAWENV,),
         ("tests/suggesting",),
     ),

@@ -155,6 +155,12 @@ def test_an_impossible_rate_is_one_line(tmp_path, capsys):
     assert main(["identify", path, "--check"]) == 3
 
 
+@pytest.mark.parametrize("option", [["--clocks"], ["--page", "page.html"], ["--json", "answer.json"]])
+def test_a_check_takes_no_option_of_an_estimate(tmp_path, capsys, option):
+    assert main(["identify", str(tmp_path / "recording.csv"), "--check", *option]) == 2
+    assert f"error: {option[0]} with --check, which estimates nothing" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", [None, "forces of the jaw on the device"])
 def test_a_page_of_a_recording(tmp_path, capsys, name):
     path = saved(tmp_path, record() if name is None else spoilt_record(name))

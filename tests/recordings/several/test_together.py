@@ -121,6 +121,12 @@ def test_the_same_readings_twice_are_refused(tmp_path, capsys):
     assert capsys.readouterr().err.endswith("0.csv; allowed: each recording once\n")
 
 
+def test_too_many_recordings_are_refused_before_one_is_read(tmp_path, capsys):
+    missing = [str(tmp_path / f"{i}.csv") for i in range(9)]
+    assert main(["identify", *missing]) == 2
+    assert capsys.readouterr().err == "error: 9 recordings; allowed: 2 to 8\n"
+
+
 def test_two_patients_are_named_in_one_sentence(tmp_path, capsys):
     paths = [saved(played(i), tmp_path / f"{i}.csv") for i in range(2)]
     assert main(["identify", *paths]) == 3

@@ -47,7 +47,6 @@ def write_page(found: Any, rows: list[tuple[str, tuple[float, ...]]], weakest: s
     told = np.sqrt(np.diagonal(found.found.estimate.cov[-1])), found.expected.sds
     page = template.render(
         "suggested.html.j2",
-        Path(__file__).parent,
         movement=found.movement(),
         weakest=weakest.replace("F_o", "Fₒ").replace("%", " %"),
         seconds=f"{found.seconds:g}",
