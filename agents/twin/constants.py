@@ -23,6 +23,7 @@ from jawenv.device.comfort import (
     GOVERNOR_ONSET,
     OPENING,
     SIDE,
+    SPEED,
 )
 from jawenv.device.device import LAW_TICKS, TICK
 from jawenv.device.guard import CREST_SHARE, DRIVERS, GUARDS, LOOK_AHEAD_S
@@ -33,9 +34,10 @@ STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
 LAWS_PER_DECISION = 2
 """Times that the device's law acts between two decisions; 4 in the environment. Acting once, it moves the jaw so
 roughly that discomfort is four times too high."""
-COST_SD = (0.02, 0.02, 0.045, 0.05, 0.05, 0.02, 0.17, 0.02)
-"""By which the used fractions shake in the environment and not here, by limit: the unmodelled force shakes the speed,
-and half of what a side or a fore-aft excursion costs is of its swing about the twin's. Chosen on paths of policies."""
+COST_SD = (0.02, 0.01, 0.034, 0.048, 0.058, 0.046, 0.42, 0.02)
+"""By which the used fractions shake in the environment and not here, by limit; of the speed as a share of what the
+unmodelled force alone would shake. Half of what a side or a fore-aft excursion costs is of its swing about the twin's.
+Means of what `python -m training twin --agent NAME` fits on paths of policies; where it fits none, small."""
 _DRIVES = [[float(channel in DRIVERS[limit]) for channel in CHANNELS] for limit in COMFORT_LIMITS]
 _GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]
 
@@ -110,12 +112,16 @@ class Twin:
         self.shaking = TICK * float(model["mouthpiece_mobility"]) * float(noise["wrench_variance"][0]) ** 0.5
         self.force, self.speed, self.condyle_side = (float(comfort[key]) for key in ("force", "speed", "condyle_side"))
         self.tension_margin = float(comfort["tension_margin"])
+        self.cost_sd = torch.tensor(COST_SD, dtype=torch.float64)
+        self.cost_sd[SPEED] *= self.shaking / self.speed
         self.hard, self.guard = torch.tensor(comfort["hard"]), torch.tensor(_GUARD, dtype=torch.float64)
         self.budget = float(settings["control"]["budget"])
         self.drives = torch.tensor(
             [[float(channel in DRIVERS[limit]) for channel in CHANNELS] for limit in COMFORT_LIMITS]
         )
         self.drives = self.drives.double()
+        self.lets_go = self.drives.clone()  # the same where motors let go, which they do not for speed
+        self.lets_go[SPEED] = 0.0
         self.look_ahead_s = torch.tensor(list(LOOK_AHEAD_S.values()), dtype=torch.float64)
         self.onset = 1.0 + GOVERNOR_ONSET * (self.hard[list(STOPPED)] - 1.0)
         self.stop = float(device["stop_stiffness"])

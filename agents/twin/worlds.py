@@ -13,11 +13,10 @@ from torch import Tensor
 from torch.nn.functional import pad
 
 from agents.twin.belief import Belief, Held
-from agents.twin.constants import COST_SD, LAWS_PER_DECISION, Patients, Twin
+from agents.twin.constants import LAWS_PER_DECISION, Patients, Twin
 from agents.twin.mechanics import Forces, Passive, Pose, forces, norm, ramp, wrenches
 from jawenv.device import laws
 from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST, N_CHANNELS, ROLL_FULL_SCALE_RAD
-from jawenv.device.comfort import SPEED
 from jawenv.device.device import TICK
 from jawenv.device.guard import (
     ASKED_MARGIN,
@@ -69,7 +68,7 @@ class Worlds:
     ) -> None:
         self.twin, self.patients = twin, patients
         self.asked = patients.theta.new_ones(len(patients), 6) if asked is None else asked
-        self.by_limit = patients.theta.new_zeros(len(patients), len(COST_SD))
+        self.by_limit = patients.theta.new_zeros(len(patients), len(twin.cost_sd))
         self.target = patients.rest.new_zeros(len(patients), N_CHANNELS)
         self.size, self.kept, self.thrust = self.target + 1.0, self.target + 1.0, self.target
         self._margin, self._release = self.by_limit + 1.0, self.target
@@ -238,23 +237,22 @@ class Worlds:
             self._keep_budget()
 
     def _costs(self) -> Tensor:
-        """Cost (P, 8) to be expected of used fractions that shake by ``COST_SD``.
+        """Cost (P, 8) to be expected of used fractions that shake by ``Twin.cost_sd``.
 
         It is smooth, so that there is a gradient before a limit.
         """
-        sd = self.fractions.new_tensor(COST_SD)
-        costs: Tensor = above(self.fractions - 1.0, sd) / (self.twin.hard - 1.0)
+        costs: Tensor = above(self.fractions - 1.0, self.twin.cost_sd) / (self.twin.hard - 1.0)
         return costs
 
     def _keep_budget(self) -> None:
         """``jawenv.device.guard.keep_budget`` as it acts on average on margins that shake."""
-        twin, sd = self.twin, self.margin.new_tensor(COST_SD)
-        asked = ASKED_MARGIN * (self.discomfort / twin.budget).square()
+        twin, sd = self.twin, self.twin.cost_sd
+        asked = (ASKED_MARGIN[0] * (self.discomfort / twin.budget).square()).clamp(max=ASKED_MARGIN[1])
         left = self.margin + twin.look_ahead_s / twin.dt * (self.margin - self._margin).clamp(max=0.0)
         missing = asked[:, None] - left
-        passed = _share(asked[:, None] - self.margin, sd) * (torch.arange(len(sd)) != SPEED)
-        parts = _share(missing, sd), torch.special.ndtr(missing / sd), passed
-        lack, lacking, passed = ((values[..., None] * twin.drives).amax(-2) for values in parts)
+        lack, lacking = _share(missing, sd), torch.special.ndtr(missing / sd)
+        lack, lacking = ((values[..., None] * twin.drives).amax(-2) for values in (lack, lacking))
+        passed = (_share(asked[:, None] - self.margin, sd)[..., None] * twin.lets_go).amax(-2)
         self._release = twin.gain(RELEASE) * passed
         fastest = FASTEST_BRAKE * twin.dt * lack.new_tensor(FASTEST)
         less = torch.minimum(self.kept * (1.0 - (-BRAKE * twin.dt * lack).exp()), fastest)

@@ -46,7 +46,9 @@ DRIVERS: dict[str, tuple[str, ...]] = {
     "speed": CHANNELS,
     "tension": ("opening", "side"),
 }
-ASKED_MARGIN = 0.6  # with nothing left of the budget, and as the square of the spent share before and beyond
+# Margin that is asked for: the first times the square of the spent share, at most the second. A jaw that has no more of
+# it at rest would be held there for good.
+ASKED_MARGIN = (0.6, 0.4)
 # A margin counts as it will be in so many s, if it goes on falling as it does. Opening and side end where their targets
 # do, so half as long; the speed shakes, and counts as it is.
 LOOK_AHEAD_S = dict.fromkeys(COMFORT_LIMITS, 0.2) | {"opening": 0.1, "side": 0.1, "speed": 0.0}
@@ -130,7 +132,7 @@ def keep_budget(budget: _Budget, margin, dt):
     """
     for limit in range(N_LIMITS):
         budget.spent += dt * max(-margin[limit], 0.0) / (budget.hard[limit] - 1.0)
-    asked = ASKED_MARGIN * (budget.spent / budget.whole) ** 2
+    asked = min(ASKED_MARGIN[0] * (budget.spent / budget.whole) ** 2, ASKED_MARGIN[1])
     for channel in range(N_CHANNELS):
         lack = passed = 0.0
         for limit in range(N_LIMITS):
