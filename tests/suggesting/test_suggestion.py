@@ -10,6 +10,7 @@ import pytest
 import jawenv
 from jawenv.base.errors import InputError
 from jawenv.commands.app import main
+from jawenv.commands.suggest import _from_rest
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.recordings.files import load_record, save_record
 from jawenv.suggesting.suggestion import suggest
@@ -32,6 +33,7 @@ def test_the_next_movement_is_a_maneuver_that_tells_more_than_the_same_again(rec
     said = capsys.readouterr().out
     assert_tells(page.read_text(encoding="utf-8"), said)
     assert "least known now: " in said and "next: opens to " in said and "in its place: the same again" in said
+    assert "; first let the jaw close, the recording ends 2" in said
     assert Maneuver.load(output).channels.side is not None
     assert main(["suggest", str(recording), "-o", str(output)]) == 2
     assert "exists already" in capsys.readouterr().err
@@ -46,6 +48,15 @@ def assert_tells(page, said):
     assert page.count('<th scope="row">') == 4 and "after the same again" in page
     expected = re.search(r"expected after 10 s more: ([0-9.]+)%", said)[1]
     assert f"<td>{expected} %" in page
+
+
+def test_only_a_recording_that_ends_open_has_to_close_first(recording):
+    record = load_record(recording)
+    closed = replace(record, measured=np.vstack([record.measured[:-10], record.measured[:10]]))
+    one = closed.measured.copy()
+    one[:, 1] = np.nan
+    assert _from_rest(closed) == _from_rest(replace(closed, measured=one)) == ""
+    assert _from_rest(record).endswith("mm from its beginning")
 
 
 def test_what_is_expected_is_below_what_is_known_and_the_same_again(recording):
