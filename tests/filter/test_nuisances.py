@@ -33,8 +33,9 @@ LARGEST = {name: kind.high for name, kind in Knowledge.numeric_fields().items()}
     "closing_tone_N": 0.0,
     "wrench_N": 0.0,
 }
-LARGEST_INSIDE = LARGEST | {"mouthpiece_mm": 0.0, "cell_offset_N": 0.0, "cell_offset_N_m": 0.0}
-LARGEST_OUTSIDE = LARGEST | {"attachments": 0.1} | {f"centre_of_mass_{axis}_mm": 0.0 for axis in "xyz"}
+LARGEST_INSIDE = LARGEST | {"mouthpiece_mm": 0.0, "head_tilt_deg": 0.0}
+LARGEST_OUTSIDE = LARGEST | {"attachments": 0.1, "fossa": 0.0}
+COLUMNS_OF_IMAGED = 56
 
 
 @pytest.fixture(scope="module")
@@ -287,6 +288,7 @@ def test_whatever_is_done_a_model_stays_one(largest):
         for values in (observations, rewards, info["belief_cov"], info["misfit"]):
             assert np.isfinite(values).all()
     believed = envs.unwrapped.simulation.worlds["known"]["belief"]["nuisances"]
+    assert believed.shape[1] == COLUMNS_OF_IMAGED  # else a filter is compiled for this test alone
     assert 1.0 < np.abs(believed).max() <= FARTHEST
 
 
