@@ -49,7 +49,7 @@ class Choices:
                     "Episode, s", setup.world.episode_s, min=SHORTEST_S, max=LONGEST_S, step=0.5
                 ),
                 "comfort_budget_s": gui.add_number(
-                    "Comfort budget, s",
+                    "Budget, s",
                     setup.world.comfort_budget_s or 0.0,
                     min=0.0,
                     max=_LARGEST_BUDGET_S,

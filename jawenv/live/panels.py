@@ -229,7 +229,7 @@ _SCORE_HEADS = (
     ("discomfort", "how far comfort limits were exceeded, times how long"),
 )
 _NAME = "text-align:left;font-weight:400;white-space:nowrap;padding:1px 6px 1px 0"
-_FIGURE = "text-align:right;white-space:nowrap;padding-left:6px"
+_FIGURE = "text-align:right;white-space:nowrap;padding-left:4px"
 
 
 def _hint(words: str, meaning: str) -> str:

@@ -45,7 +45,7 @@ class AnsweredMuscle:
     @property
     def estimate(self) -> str:
         """The filter's estimate in words; none where the prior speaks in place of the data."""
-        return f"{self.F_o_N:#.3g} N ± {100 * self.sd:.1f} %" if self.sd <= MEASURED * self.prior_sd else NOT_MEASURED
+        return f"{self.F_o_N:.2f} ± {100 * self.sd:.1f} %" if self.sd <= MEASURED * self.prior_sd else NOT_MEASURED
 
     @property
     def right(self) -> bool:

@@ -28,12 +28,12 @@ def score_png(title: str, answer: Sequence[AnsweredMuscle], outcomes: Sequence[D
     """
     rows: list[Sequence[str]] = []
     if answer:
-        rows += [("", "you say", "truth", "filter")]
+        rows += [("", "you say", "truth, N", "filter, N")]
         rows += [
             (
                 row.muscle.replace("_", " "),
                 f"{'' if row.right else 'wrong: '}{_word(row.said)}",
-                f"{_word(row.stiff)}, {row.true_F_o_N:#.3g} N",
+                f"{_word(row.stiff)}, {row.true_F_o_N:#.3g}",
                 row.estimate,
             )
             for row in answer

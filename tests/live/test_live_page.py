@@ -153,15 +153,19 @@ def test_the_answer_is_hidden_until_it_is_given(tmp_path):
         assert content.content.count(">?<") == 12
 
 
-def test_the_answer_fits_its_frame(tmp_path):
+@pytest.mark.parametrize(("cohort", "seconds"), [("severe", 1.0), ("one_sided", 8.0)])  # not measured, and measured
+def test_the_answer_fits_its_frame(tmp_path, cohort, seconds):
     with serving(0) as server:
-        page = Page(server, Setup.of(seed=500, episode_s=1.0, cohort="severe"), tmp_path, driver="refined")
+        page = Page(server, Setup.of(seed=500, episode_s=seconds, cohort=cohort), tmp_path, driver="refined")
         while not page.session.ended:
             page.step()
         with running(page), looking_at(server, 1400, height=1200) as tab:
             tab.get_by_text("Answer", exact=True).click()
             tab.wait_for_selector("#answer table")
-            assert tab.evaluate("(c => c.scrollWidth - c.clientWidth)(document.querySelector('#answer'))") <= 0
+            beyond = """() => { const card = document.querySelector("#answer"), style = getComputedStyle(card);
+                const inside = card.getBoundingClientRect().right - parseFloat(style.paddingRight);
+                return card.querySelector("table").getBoundingClientRect().right - inside; }"""
+            assert tab.evaluate(beyond) <= 0
 
 
 def test_one_wish_of_a_kind_waits_at_a_time_and_what_is_not_seen_is_not_obeyed(tmp_path):
