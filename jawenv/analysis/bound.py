@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 
 from jawenv.analysis.path import MotionPath, path_of
 from jawenv.base.errors import InputError
-from jawenv.filter.bound.joint_recursion import predict_covariance, update_covariance
+from jawenv.filter.bound.joint_recursion import JointScratch, predict_covariance, take_rows
+from jawenv.filter.model.encoders import expect
 from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
@@ -47,6 +49,16 @@ class Bound:
 
 
 @njit
+def _update_covariance(jaw: Jaw, state, covariance, variances, used, scratch: JointScratch):
+    """Measurement update of the covariance alone, linearised at ``state``: the recursion of the bound.
+
+    All readings at once: with S = H P H^T + R = L L^T and W = L^-1 H P, P <- P - W^T W. NaN where S has no factor.
+    """
+    expect(jaw, state, scratch.rows, scratch.expected)
+    take_rows(covariance, variances, used, scratch)
+
+
+@njit
 def _bound_path(path: MotionPath, covariance, every, covariances):
     """Run the recursion over all ticks of a ``MotionPath``; ``covariance`` is the prior's, and is changed.
 
@@ -63,7 +75,7 @@ def _bound_path(path: MotionPath, covariance, every, covariances):
             propagate(jaw, path.muscles, state, path.wrenches[tick - 1], trend, 0.0, path.dt, scratch)
             predict_covariance(covariance, path.noise_variance, scratch)
             follow_trend(trend, path.samples[tick - 1], path.dt)
-        update_covariance(jaw, states[tick], covariance, path.measurement_variance, path.used[tick], scratch)
+        _update_covariance(jaw, states[tick], covariance, path.measurement_variance, path.used[tick], scratch)
         if tick % every == 0 or tick == ticks:
             row = covariances.shape[0] - 1 if tick == ticks else tick // every
             for i in range(size):

@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import os
 import stat
-import zipfile
 from collections.abc import Iterator
 from typing import BinaryIO
 
@@ -76,24 +75,6 @@ def read_text(path: str | os.PathLike[str], largest: int = LARGEST_TEXT, encodin
         UnicodeDecodeError: it is no text.
     """
     return read_bytes(path, largest).decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
-
-
-def read_member(archive: zipfile.ZipFile, name: str, largest: int = LARGEST_DATA) -> bytes:
-    """The content of a member of an archive.
-
-    Args:
-        archive: open for reading.
-        name: of the member.
-        largest: size that is allowed, bytes.
-
-    Raises:
-        ValueError: it is larger.
-        KeyError: no such member.
-    """
-    size = archive.getinfo(name).file_size
-    if size > largest:
-        raise ValueError(_too_large(name, size, largest))
-    return archive.read(name)
 
 
 def _check(name: str, status: os.stat_result, largest: int) -> None:

@@ -22,17 +22,6 @@ def checked_seed(value: object) -> int | None:
     return seed
 
 
-def checked_seeds(value: object, number: int) -> list[int | None]:
-    """Seeds of N worlds: s + i of a whole number s, or the entries of a sequence."""
-    if isinstance(value, Sequence | np.ndarray):
-        seeds = [checked_seed(entry) for entry in value]
-        if len(seeds) != number:
-            raise InputError(f"seed has {len(seeds)} entries; allowed: an integer or {number} entries")
-        return seeds
-    first = checked_seed(value)
-    return [None if first is None else first + i for i in range(number)]
-
-
 @contextmanager
 def episode_keys(generators: Sequence[np.random.Generator], chosen: NDArray[np.bool_]) -> Iterator[NDArray[np.uint64]]:
     """Keys (N, 2) of the chosen worlds' next episodes; what raises inside draws nothing from the generators.

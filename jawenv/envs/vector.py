@@ -17,11 +17,17 @@ from jawenv.base.errors import InputError, shown
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.argument_checks import action_space, checked_actions, observation_space
 from jawenv.envs.configuration import configure
-from jawenv.envs.episode_seeds import checked_seeds, episode_keys
+from jawenv.envs.episode_seeds import episode_keys
 from jawenv.envs.info import with_masks
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
-from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps, enough_memory
+from jawenv.envs.vector_arguments import (
+    checked_autoreset_mode,
+    checked_num_envs,
+    checked_seeds,
+    checked_steps,
+    enough_memory,
+)
 
 if TYPE_CHECKING:
     from jawenv.envs.pictures import WorldPictures

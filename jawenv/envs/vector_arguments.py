@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import whole_number
+from jawenv.envs.episode_seeds import checked_seed
 
-__all__ = ["checked_autoreset_mode", "checked_num_envs", "checked_steps", "enough_memory"]
+__all__ = ["checked_autoreset_mode", "checked_num_envs", "checked_seeds", "checked_steps", "enough_memory"]
 
 
 def checked_num_envs(value: object) -> int:
@@ -51,3 +53,14 @@ def checked_steps(value: object) -> float:
     if steps is None or (steps < 1 and steps != -1):
         raise InputError(f"max_episode_steps is {shown(value)}; allowed: a whole number, 1 or more, or None")
     return math.inf if steps == -1 else steps
+
+
+def checked_seeds(value: object, number: int) -> list[int | None]:
+    """Seeds of N worlds: s + i of a whole number s, or the entries of a sequence."""
+    if isinstance(value, Sequence | np.ndarray):
+        seeds = [checked_seed(entry) for entry in value]
+        if len(seeds) != number:
+            raise InputError(f"seed has {len(seeds)} entries; allowed: an integer or {number} entries")
+        return seeds
+    first = checked_seed(value)
+    return [None if first is None else first + i for i in range(number)]

@@ -16,7 +16,6 @@ from jawenv.filter.bound.joint_recursion import (
     JointScratch,
     innovation_variance,
     predict_covariance,
-    reduce_covariance,
     set_noise_variance,
 )
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
@@ -41,6 +40,19 @@ class Problem(NamedTuple):
     parameter_noise: Array  # (T, p) variance that the parameters receive in each tick
     linear: bool  # whether the parameters are F_o and b themselves
     floor: Array  # (p,) least value of a linear parameter: a muscle has no negative tension
+
+
+@njit
+def reduce_covariance(covariance, gain, variance):
+    """Covariance after a measurement whose innovation has this variance; that of the load cell's gain stays."""
+    size = gain.shape[0]
+    inverse = 1.0 / variance
+    considered = covariance[size - 1, size - 1]
+    for i in range(size):
+        for j in range(size):
+            # The product first: it is the same number for (i, j) and (j, i), so P stays symmetric to the bit.
+            covariance[i, j] -= (gain[i] * gain[j]) * inverse
+    covariance[size - 1, size - 1] = considered
 
 
 @njit

@@ -24,7 +24,6 @@ from jawenv.filter.bound.joint_recursion import (
     innovation_variance,
     joint_scratch_dtype,
     predict_covariance,
-    reduce_covariance,
 )
 from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.model.joint_step import N_NOISE, N_SAMPLES, copy_matrix, propagate_in, set_muscles, step_parts
@@ -34,6 +33,7 @@ from jawenv.kernels.linalg import decompose
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
+from jawenv.references.extended_kalman_kernel import reduce_covariance
 
 Array = NDArray[np.float64]
 

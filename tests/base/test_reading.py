@@ -2,14 +2,13 @@
 
 import os
 import time
-import zipfile
 from pathlib import Path
 
 import pytest
 
 from jawenv.base.errors import InputError
 from jawenv.base.files import read_mapping
-from jawenv.base.reading import open_file, read_bytes, read_member, read_text
+from jawenv.base.reading import open_file, read_bytes, read_text
 
 
 def refusal(path: Path) -> str:
@@ -87,12 +86,3 @@ def test_large_files_are_refused_before_they_are_read(tmp_path: Path) -> None:
 def test_a_name_with_a_null_character_is_refused() -> None:
     with pytest.raises(InputError, match="cannot be read: embedded null byte"):
         read_bytes("a\0b")
-
-
-def test_large_members_of_archives_are_refused_before_they_are_unpacked(tmp_path: Path) -> None:
-    with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("data", bytes(2**20))
-    with zipfile.ZipFile(tmp_path / "a.zip") as archive:
-        with pytest.raises(ValueError, match="data: has 1,048,576 bytes; allowed: 1,000 at most"):
-            read_member(archive, "data", 1000)
-        assert read_member(archive, "data", 2**20) == bytes(2**20)

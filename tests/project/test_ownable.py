@@ -24,8 +24,8 @@ LARGEST = {
     "longest chain of imports": 31,
     "public top-level names": 1_556,
     "modules that a step loads": 104,
-    "lines that a step loads": 12_806,
-    "lines that eval compare loads": 22_976,
+    "lines that a step loads": 12_798,
+    "lines that eval compare loads": 22_972,
 }
 
 

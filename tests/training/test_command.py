@@ -7,6 +7,7 @@ import shutil
 import signal
 import threading
 import time
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,12 +19,13 @@ import yaml
 from point_env import TINY_CONFIG
 from stable_baselines3 import PPO
 
+from jawenv.base.errors import InputError
 from jawenv.base.locks import alone
 from tests.eval.runs import make_it_run_code
 from training.cli import main
 from training.run.callbacks import Interrupt
 from training.run.config import TrainingConfig
-from training.run.folder import RunFolder
+from training.run.folder import RunFolder, read_counts
 from training.run.worlds import world_seed
 
 
@@ -357,3 +359,11 @@ def test_a_run_folder_is_made_whole_or_not_at_all(tmp_path: Path, monkeypatch: p
     assert run.open().seed == 1 and run.repeat_file.is_file()
     run.create(TrainingConfig(seed=2), 0)
     assert run.open().seed == 2 and [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+def test_a_large_text_in_a_checkpoint_is_refused_before_it_is_unpacked(tmp_path: Path) -> None:
+    checkpoint = tmp_path / "step_0000000001.zip"
+    with zipfile.ZipFile(checkpoint, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("data", bytes(2**23 + 1))
+    with pytest.raises(InputError, match=r"data: has 8,388,609 bytes; allowed: 8,388,608 at most"):
+        read_counts(checkpoint)

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 from agents.evaluations import FILE as EVALUATIONS
 from jawenv.base.errors import InputError
 from jawenv.base.files import atomic_write, read_mapping, remove_unfinished, write_json, write_text
-from jawenv.base.reading import LARGEST_TEXT, open_file, read_member
+from jawenv.base.reading import LARGEST_TEXT, open_file
 from jawenv.base.versions import made_with
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.card import CARD
@@ -190,12 +190,20 @@ class RunFolder:
         )
 
 
+def _text_in(archive: zipfile.ZipFile, name: str) -> bytes:
+    """The content of a member that is a text; too large a one is refused before it is unpacked."""
+    size = archive.getinfo(name).file_size
+    if size > LARGEST_TEXT:
+        raise ValueError(f"{name}: has {size:,} bytes; allowed: {LARGEST_TEXT:,} at most")
+    return archive.read(name)
+
+
 def read_counts(checkpoint: Path) -> dict[str, Any]:
     """The plain text of a checkpoint, its steps and updates among it; its pickles stay text."""
     with open_file(checkpoint) as file:
         try:
             with zipfile.ZipFile(file) as archive:
-                data: dict[str, Any] = json.loads(read_member(archive, "data", LARGEST_TEXT))
+                data: dict[str, Any] = json.loads(_text_in(archive, "data"))
             int(data["num_timesteps"]), int(data["_n_updates"])
         except Exception as error:  # a damaged archive or text can raise anything
             raise damaged(checkpoint, error) from None

@@ -24,14 +24,13 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.filter.belief.state import joint_size
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_NOISE, Sensitivity, copy_matrix
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linear_dtype
-from jawenv.mechanics.jaw import Jaw
 
 
 class Recursion:
@@ -142,29 +141,6 @@ def innovation_variance(covariance, row, variance, gain):
     for k in range(row.shape[0]):
         variance += row[k] * gain[k]
     return variance
-
-
-@njit
-def reduce_covariance(covariance, gain, variance):
-    """Covariance after a measurement whose innovation has this variance; that of the load cell's gain stays."""
-    size = gain.shape[0]
-    inverse = 1.0 / variance
-    considered = covariance[size - 1, size - 1]
-    for i in range(size):
-        for j in range(size):
-            # The product first: it is the same number for (i, j) and (j, i), so P stays symmetric to the bit.
-            covariance[i, j] -= (gain[i] * gain[j]) * inverse
-    covariance[size - 1, size - 1] = considered
-
-
-@njit
-def update_covariance(jaw: Jaw, state, covariance, variances, used, scratch: JointScratch):
-    """Measurement update of the covariance alone, linearised at ``state``: the recursion of the bound.
-
-    All readings at once: with S = H P H^T + R = L L^T and W = L^-1 H P, P <- P - W^T W. NaN where S has no factor.
-    """
-    expect(jaw, state, scratch.rows, scratch.expected)
-    take_rows(covariance, variances, used, scratch)
 
 
 @njit
