@@ -335,7 +335,6 @@ def test_too_many_worlds_and_an_unusable_folder_get_one_line(
 @pytest.mark.parametrize(
     ("command", "output"),
     [
-        (["optimise", "--refine", "chirp", "--generations", "1", "--overwrite"], "found.yaml"),
         (["train", "plain_ppo", "--steps", "256", "--overwrite"], "run"),
     ],
 )
