@@ -13,7 +13,7 @@ import gymnasium as gym
 import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from eval.episodes.video import write_mp4
 from eval.kept.tables import made_with
@@ -118,6 +118,7 @@ def _bars(now: Any, after: Any, names: tuple[str, ...]) -> Markup:
         axes.plot(100.0 * after, places, "o", color=_AFTER, label="expected after it")
         axes.set(xscale="log", xlabel="error bar (sd), %")
         axes.set_yticks(places, [_in_words(name) for name in names])
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.legend(loc="upper center", bbox_to_anchor=(0.4, 1.12), ncols=2)
