@@ -18,7 +18,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines of the trunk": 26_564,
+    "lines of the trunk": 26_542,
     "lines of a leaf": 2_810,
     "doors of a leaf": 2,
     "longest chain of imports": 31,

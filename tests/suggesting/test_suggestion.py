@@ -14,6 +14,7 @@ from jawenv.commands.suggest import _from_rest
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.recordings.files import load_record, save_record
 from jawenv.suggesting.suggestion import suggest
+from tests.browser import new_page
 
 PLAYED = {"cohort": "one_sided", "episode_s": 10.0, "record": True, "track_bound": False}
 
@@ -32,6 +33,7 @@ def test_the_next_movement_is_a_maneuver_that_tells_more_than_the_same_again(rec
     assert main(["suggest", str(recording), "-o", str(output), "--page", str(page)]) == 0
     said = capsys.readouterr().out
     assert_tells(page.read_text(encoding="utf-8"), said)
+    assert_readable(page)
     assert "least known now: " in said and "next: opens to " in said and "in its place: the same again" in said
     assert "; first let the jaw close, the recording ends 2" in said
     assert Maneuver.load(output).channels.side is not None
@@ -48,6 +50,17 @@ def assert_tells(page, said):
     assert page.count('<th scope="row">') == 4 and "after the same again" in page
     expected = re.search(r"expected after 10 s more: ([0-9.]+)%", said)[1]
     assert f"<td>{expected} %" in page
+
+
+def assert_readable(path):
+    """On a small dark screen it fits, asks for nothing, and has no fault of accessibility."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    tab = new_page(viewport={"width": 480, "height": 900}, color_scheme="dark")
+    tab.goto(path.as_uri())
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 480
+    assert [found["id"] for found in axe.Axe().run(tab).response["violations"]] == []
+    assert tab.complaints == [] and all(url.startswith(("file:", "data:")) for url in tab.requests)
+    tab.context.close()
 
 
 def test_only_a_recording_that_ends_open_has_to_close_first(recording):
