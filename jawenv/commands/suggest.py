@@ -68,7 +68,7 @@ def suggest_next(
 
 
 def _from_rest(record: Record) -> str:
-    """What has to come before a movement, which begins at rest; a recording may end elsewhere."""
+    """Advice to close the jaw before the movement, which begins at rest; empty where the recording ends there."""
     places = np.ma.masked_invalid(record.measured[:, :3])  # a file may lack some
     off_mm = 1e3 * float(np.linalg.norm((places[-_ROWS:].mean(axis=0) - places[:_ROWS].mean(axis=0)).filled(0.0)))
     return (
