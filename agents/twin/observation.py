@@ -11,13 +11,14 @@ from agents.twin.worlds import Worlds
 from jawenv.envs.observation import FORCE_SCALE, MOMENT_SCALE, OBSERVATION_BOUND, POSE_SCALE, RANGE_SCALE, RATE_SCALE
 
 
-def observation(worlds: Worlds, time_left: float, asked: bool = False) -> Tensor:
+def observation(worlds: Worlds, time_left: float, asked: bool = False, correlations: bool = False) -> Tensor:
     """Rows (P, size) in the order of ``jawenv.envs.observation.observation_layout``.
 
     Args:
         worlds: of the twin.
         time_left: share of the episode.
         asked: whether muscles are asked for.
+        correlations: whether those of the belief end it.
     """
     twin, p, q = worlds.twin, worlds.patients, worlds.pose.q
     sd = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].sqrt()
@@ -46,4 +47,8 @@ def observation(worlds: Worlds, time_left: float, asked: bool = False) -> Tensor
     end: tuple[Tensor, ...] = (worlds.asked, worlds.discomfort[:, None]) if asked else ()
     if twin.budget > 0.0 and not asked:
         end = (worlds.discomfort[:, None] / twin.budget,)
+    if correlations:
+        rows, columns = torch.triu_indices(12, 12, 1, device=q.device)
+        covariance = worlds.belief.covariance
+        end = (*end, covariance[:, rows, columns] / (sd[:, rows] * sd[:, columns]))
     return torch.cat([*parts, *end], -1).clamp(-OBSERVATION_BOUND, OBSERVATION_BOUND)

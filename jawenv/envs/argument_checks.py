@@ -13,7 +13,7 @@ from jawenv.base.errors import InputError, not_among, shown
 from jawenv.base.numeric_fields import real_number
 from jawenv.controls import ControlMode
 from jawenv.device.device import LAW_TICKS, N_MOTORS, TICK
-from jawenv.envs.world.layout import OBSERVATION_BOUND
+from jawenv.envs.observation import OBSERVATION_BOUND
 
 LARGEST = 1e6  # of the numeric arguments
 

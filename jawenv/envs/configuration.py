@@ -85,6 +85,7 @@ class Configuration:
     comfort_budget_s: float | None = _argument(
         None, "Discomfort of an episode, s, that the device keeps in targets control; none by default.", "S", "number"
     )
+    observe_correlations: bool = _argument(False, "Whether the observation ends with the belief's correlations.")
     track_bound: bool = _argument(False, "Whether `info` has the bound as well.")
     info: Info = _argument("full", "Which keys `info` has: full for all, light for those of belief, cost and time.")
     record: bool = _argument(False, "Whether what the device measures is kept.")
@@ -138,7 +139,7 @@ class Configuration:
         self._check_estimator()
         if self.steps < 1:
             raise InputError(f"episode_s is {self.episode_s:g}; allowed: at least one control period")
-        for name in ("track_bound", "record"):
+        for name in ("observe_correlations", "track_bound", "record"):
             self._set(name, checked_flag(name, getattr(self, name)))
         self._set("comfort", comfort_of(self.comfort))
         if self.anatomy is not None:
@@ -146,6 +147,8 @@ class Configuration:
 
             self._set("anatomy", anatomy_of(self.anatomy))
         self._set("cohort", cohort(self.cohort, self.muscles))
+        if self.observe_correlations and len(self.muscles) < 2:
+            raise InputError("observe_correlations is True; allowed where one muscle has two parameters: False")
         if self.asked is not None:
             from jawenv.envs.asked import checked_asked
 
@@ -243,6 +246,11 @@ class Configuration:
     def mode(self) -> ControlMode:
         """Its control mode."""
         return CONTROLS[self.control]
+
+    @property
+    def ends(self) -> tuple[bool, bool, bool]:
+        """Optional parts of the observation, as ``observation_layout`` takes them."""
+        return self.asked is not None, self.comfort_budget_s is not None, self.observe_correlations
 
     @property
     def filter_model(self) -> Estimator:

@@ -20,8 +20,8 @@ from jawenv.device.force_sensor import (
 )
 from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
 from jawenv.envs.info import WorldReader
+from jawenv.envs.observation import observation_size
 from jawenv.envs.world.kept_ticks import true_tick_dtype
-from jawenv.envs.world.layout import OBSERVATION_BOUND, observation_size
 from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
@@ -72,9 +72,10 @@ class Simulation:
         self._known_condyles = 2 if filter_bilateral else 1
         self.knowledge = configuration.build_knowledge()
         lasting = bool(self.device[0]["unmodelled_time"] > 0.0)
-        self._sds = self._directions(lasting)
-        disturbance = N_WRENCH if lasting else 0
-        sizes = len(muscles), len(muscles.muscle), N_BODY if filter_bilateral else N_STATES, len(self._sds), disturbance
+        self.nuisance_sds = self._directions(lasting)
+        """One sd of each nuisance that the filter integrates out, in its order."""
+        states, disturbance = N_BODY if filter_bilateral else N_STATES, N_WRENCH if lasting else 0
+        sizes = len(muscles), len(muscles.muscle), states, len(self.nuisance_sds), disturbance
         self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
@@ -87,8 +88,7 @@ class Simulation:
         """(N, ticks) what was read, as far as it is kept."""
         self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
         """(N, ticks) what was true then, as far as it is kept."""
-        ends = configuration.asked is not None, configuration.comfort_budget_s is not None
-        size = observation_size(2 * len(muscles), *ends)
+        size = observation_size(2 * len(muscles), *configuration.ends)
         self.observation = np.zeros((num_worlds, size), dtype=np.float32)
         """(N, size) as of the last reset or step."""
         self.asked = np.ones((num_worlds, len(muscles)), dtype=np.bool_)
@@ -102,8 +102,7 @@ class Simulation:
         self.keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         """(N, 2) of all random numbers of the present episodes."""
         asked = None if configuration.asked is None else self.asked
-        light = configuration.info == "light"
-        budget = configuration.comfort_budget_s is not None
+        light, budget = configuration.info == "light", configuration.comfort_budget_s is not None
         self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, light, asked, budget)
         self.own_estimators = None if configuration.own_estimator is None else self._own_estimators()
         """The user's estimators, where they are in the place of the device's filter."""
@@ -179,7 +178,7 @@ class Simulation:
         configuration = self.configuration
         settings["motion_only"] = isinstance(configuration.estimator, str) and configuration.estimator == NO_ESTIMATOR
         settings["used"] = used_readings(configuration.sensors)
-        parts = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self._sds, self._jaw
+        parts = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self.nuisance_sds, self._jaw
         noise = noise_of(configuration.build_device(), configuration.force_sensor, TICK)
         sd = start_sd(self._jaw, self._known_condyles)
         fill_settings(settings, Geometry(*parts, self.force_errors), noise, sd)
@@ -321,7 +320,7 @@ class Simulation:
         from jawenv.filter.nuisances.unknowns import MOTORS, along
 
         values = draw_truth(truth, self.knowledge, self.reality, self.cohort.muscles, streams, anatomy_seed)
-        truth["nuisances"] = [along(values, sds) for sds in self._sds]
+        truth["nuisances"] = [along(values, sds) for sds in self.nuisance_sds]
         if self._motor_sds is not None:
             truth["motor_errors"] = motor_errors(self._motor_sds, values[MOTORS], self.device[0])
 
@@ -355,15 +354,10 @@ class Simulation:
         return np.minimum(cost, np.maximum(self.cost_so_far - limit, 0.0))
 
     def _show_end(self, chosen: NDArray[np.bool_]) -> None:
-        """The end of the chosen worlds' observation, where muscles are asked for or a budget is kept."""
-        configuration = self.configuration
-        if configuration.asked is not None:
-            discomfort = self.cost_so_far[chosen] / configuration.steps_per_s
-            self.observation[chosen, -1 - self.asked.shape[1] : -1] = self.asked[chosen]
-            self.observation[chosen, -1] = np.minimum(discomfort, OBSERVATION_BOUND)
-        elif configuration.comfort_budget_s is not None:
-            spent = self.worlds["known"]["tracker"]["budget"]["spent"][chosen] / configuration.comfort_budget_s
-            self.observation[chosen, -1] = np.minimum(spent, OBSERVATION_BOUND)
+        if any(self.configuration.ends):
+            from jawenv.envs.observation.ends import show_ends
+
+            show_ends(self, chosen)
 
     def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         shared = Shared(self.device, self.settings, self.scratches)
@@ -381,16 +375,6 @@ class Simulation:
     def force_errors(self) -> tuple[NDArray[np.float64], Any] | None:
         """Sds of the motors' errors and the device's record where no load cell reads the force."""
         return None if self._motor_sds is None else (self._motor_sds, self.device[0])
-
-    @property
-    def nuisance_sds(self) -> list[Values]:
-        """One sd of each nuisance that the filter integrates out, in its order."""
-        return self._sds
-
-    @property
-    def tick_s(self) -> float:
-        """Length of a tick, s."""
-        return TICK
 
     @property
     def parameter_names(self) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
             end = add(velocity, apply(body_to_head, cross(omega, row3(jaw.insertion, i))))
             rise = max(0.0, -tension * b / jaw.l_o[i] * dot(direction, end))
             held = reality.guarding_gain * F_o * b * max(0.0, stretch - reality.guarding_onset)
-            excite(reality, state, i, rise, held, dt)
+            _excite(reality, state, i, rise, held, dt)
 
 
 @njit
@@ -101,7 +101,7 @@ def swallow(reality: RealityRecord, state: RealityState, dt):
 
 
 @njit
-def excite(reality: RealityRecord, state: RealityState, i, rise, held, dt):
+def _excite(reality: RealityRecord, state: RealityState, i, rise, held, dt):
     """Advance the active tension of line i by ``dt``, the passive tension rising by ``rise`` N/s; shifts its delay.
 
     ``held`` (N) is what guarding goes to.

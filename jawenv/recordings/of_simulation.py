@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from jawenv.device.device import TICK
 from jawenv.envs.simulation import Simulation
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings.defaults import disturbance_sd
@@ -21,7 +22,7 @@ def record_of(simulation: Simulation, index: int) -> Record:
     began = world["known"]["belief"]["began"]
     rows, true = simulation.ticks[index, :count], simulation.paths[index, :count]
     return Record(
-        time=np.arange(len(rows), dtype=np.float64) * simulation.tick_s,
+        time=np.arange(len(rows), dtype=np.float64) * TICK,
         measured=rows["measured"].copy(),
         samples=rows["samples"][1:].copy(),
         start_mean=began.copy(),

@@ -132,7 +132,8 @@ def test_every_model_has_a_length_of_its_own(env_id):
     env = gym.make(env_id, asked="random")
     observation, info = env.reset(seed=0)
     parameters = len(env.unwrapped.parameter_names)
-    assert layouts()[len(observation)] == (parameters, True, False) and parameters_of(len(observation)) == parameters
+    assert layouts()[len(observation)] == (parameters, True, False, False)
+    assert parameters_of(len(observation)) == parameters
     assert observation.shape == env.observation_space.shape and len(info["asked"]) == parameters // 2
 
 

@@ -7,6 +7,7 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.anatomy.knowledge import IMAGED
+from jawenv.device.device import TICK
 from jawenv.filter.nuisances.unknowns import changed_jaw, offset_of, turn_of
 from jawenv.mechanics import newton_euler
 from jawenv.references.numpy_model import measurement_with_derivative, step, step_with_derivative
@@ -73,7 +74,7 @@ def dense_bound(simulation):
     """Covariance of the parameters by the Kalman filter in dense matrices, the gain error considered."""
     world, settings, worlds = simulation.worlds[0], simulation.settings[0], changed(simulation)
     known, rows, truth = settings["filter"], simulation.paths[0], world["truth"]
-    theta, jaw, dt = truth["log_parameters"], truth["jaw"], simulation.tick_s
+    theta, jaw, dt = truth["log_parameters"], truth["jaw"], TICK
     q, d = len(simulation.nuisance_sds), len(known["disturbance_variance"])
     size = N + d + q + P + 1
     covariance = np.diag(

@@ -99,12 +99,12 @@ def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, r
     muscles = np.exp(theta).reshape(-1, 2)[jaw["muscle"]]
     for _ in range(3):
         motion, wrench = motion_at(rng), rng.normal(size=6) * [3.0, 3.0, 3.0, 0.05, 0.05, 0.05]
-        columns = np.zeros((6, len(simulation._sds)))
+        columns = np.zeros((6, len(simulation.nuisance_sds)))
         rate = twin.acceleration(jaw, theta, motion[:5], motion[5:], wrench)
         at = tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench), False
         wrenches_of(jaw, muscles, at, settings, columns, scratch)
         by_wrench = twin.derivative(lambda w, m=motion: twin.acceleration(jaw, theta, m[:5], m[5:], w), wrench)
-        for j, values in enumerate(simulation._sds):
+        for j, values in enumerate(simulation.nuisance_sds):
             expected = by_differences(simulation, values, motion, wrench, twin.acceleration)
             np.testing.assert_allclose(
                 by_wrench @ columns[:, j], expected, rtol=0.03, atol=2e-3 * np.abs(by_wrench).max(), err_msg=f"{j}"
@@ -141,7 +141,7 @@ def test_what_a_jaw_at_rest_shows_and_what_accelerations_show_make_the_whole(rng
 def test_a_nuisance_changes_the_readings_as_the_independent_jaw_says(simulation, rng):
     settings, scratch = simulation.settings[0]["filter"], simulation.scratches[0]["filter"]["update"]["nuisances"]
     jaw, motion = simulation.models[0], motion_at(rng)
-    rows, used = np.zeros((12, len(simulation._sds))), np.ones(12, dtype=np.uint8)
+    rows, used = np.zeros((12, len(simulation.nuisance_sds))), np.ones(12, dtype=np.uint8)
     readings_of(jaw, motion, settings, used, rows, scratch)
 
     def read(values, share):
@@ -153,7 +153,7 @@ def test_a_nuisance_changes_the_readings_as_the_independent_jaw_says(simulation,
             measured[places] -= np.cross(about, measured[places])
         return measured
 
-    for j, values in enumerate(simulation._sds):
+    for j, values in enumerate(simulation.nuisance_sds):
         expected = (read(values, EPS) - read(values, -EPS)) / (2.0 * EPS)
         np.testing.assert_allclose(rows[:, j], expected, atol=2e-6, rtol=0.01, err_msg=f"{j}")
 
@@ -161,12 +161,12 @@ def test_a_nuisance_changes_the_readings_as_the_independent_jaw_says(simulation,
 def test_the_model_moves_with_the_nuisances(simulation, rng):
     """To that of the same values, but for products of two."""
     jaw, record = simulation.models[0], simulation.models[0].copy()
-    steps = np.zeros(len(simulation._sds))
+    steps = np.zeros(len(simulation.nuisance_sds))
     for j in range(len(steps)):
         steps[:] = 0.0
         steps[j] = 0.5
         moved(jaw, simulation.settings[0]["filter"], steps, record)
-        values = scaled(simulation._sds[j], 0.5)
+        values = scaled(simulation.nuisance_sds[j], 0.5)
         expected = changed_jaw(jaw, KNOWN, simulation.cohort.muscles, values)
         for name in ("mass", "centre_of_mass", "gravity", "mouthpiece", "zero", "teeth", "fossa_drop", "crest", "l_o"):
             scale = np.abs(expected[name]).max()

@@ -36,7 +36,13 @@ def test_ends_that_a_policy_does_not_know_are_left_out_and_nothing_is_spent_wher
     assert fitted(rows, 70, "p") is rows
 
 
-@pytest.mark.parametrize(("given", "known"), [(63, 70), (51, 63), (62, 63), (63, 75)])
+def test_what_is_spent_is_shown_to_a_policy_that_knows_no_correlations_and_they_to_one_that_knows_no_budget():
+    rows = np.arange(2 * 130, dtype=np.float32).reshape(2, 130)
+    np.testing.assert_array_equal(fitted(rows, 64, "p"), rows[:, :64])
+    np.testing.assert_array_equal(fitted(rows, 129, "p"), np.delete(rows, 63, axis=1))
+
+
+@pytest.mark.parametrize(("given", "known"), [(63, 70), (51, 63), (62, 63), (63, 75), (64, 130), (129, 136)])
 def test_other_observations_are_refused(given, known):
     with pytest.raises(InputError, match=f"trained on observations of {known} values, got {given}"):
         fitted(np.zeros((1, given), dtype=np.float32), known, "p")

@@ -18,14 +18,14 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines of the trunk": 26_455,
+    "lines of the trunk": 26_451,
     "lines of a leaf": 2_810,
     "doors of a leaf": 2,
     "longest chain of imports": 31,
     "public top-level names": 1_554,
     "modules that a step loads": 104,
-    "lines that a step loads": 12_798,
-    "lines that eval compare loads": 22_972,
+    "lines that a step loads": 12_792,
+    "lines that eval compare loads": 22_931,
 }
 
 

@@ -11,7 +11,7 @@ from math import log10, sqrt
 from jawenv.device.comfort import N_LIMITS, excursions, set_tension_limits, used_fractions
 from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
-from jawenv.envs.world.layout import (
+from jawenv.envs.observation import (
     FORCE_SCALE,
     MOMENT_SCALE,
     OBSERVATION_BOUND,
@@ -20,7 +20,7 @@ from jawenv.envs.world.layout import (
     RATE_SCALE,
     TARGET_SCALE,
 )
-from jawenv.envs.world.layout import OBSERVATION_REST as _REST
+from jawenv.envs.observation import OBSERVATION_REST as _REST
 from jawenv.envs.world.record import Control, Known, Seeing
 from jawenv.envs.world.tracking import size_of
 from jawenv.filter.belief.state import FilterSettings

@@ -17,10 +17,10 @@ from jawenv.device.comfort import N_LIMITS, cost_of, used_fractions
 from jawenv.device.device import LAW_TICKS, TICK, DeviceRecord
 from jawenv.device.force_sensor import read_force
 from jawenv.device.motors import command_motors
+from jawenv.envs.observation import observation_size
 from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.information import refresh_information
 from jawenv.envs.world.kept_ticks import keep_reading, keep_truth
-from jawenv.envs.world.layout import observation_size
 from jawenv.envs.world.observation import observe_world
 from jawenv.envs.world.plants import lift_of
 from jawenv.envs.world.record import Known, Scratch, Settings, Truth, World, seeing_dtype

@@ -24,7 +24,7 @@ from jawenv.device.comfort_settings import Comfort
 from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.guard import CREST_SHARE, Tracker, keep_budget, shrink
 from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts, within
-from jawenv.envs.world.layout import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
+from jawenv.envs.observation import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
 from jawenv.kernels.compiled import njit
 
 # What the law takes where it is not told.

@@ -17,20 +17,21 @@ from jawenv.playing.agents import Observation
 
 
 def fitted(rows: Observation, size: int, policy: object) -> Observation:
-    """Observations (N, size) as a policy knows them: without a question's or a budget's end, or with nothing spent.
+    """Observations (N, size) as a policy knows them: the parts that it knows, with nothing spent of no budget.
 
     Raises:
-        InputError: an observation of another model, or one without the question that the policy answers.
+        InputError: an observation of another model, or one without the question or correlations that the policy reads.
     """
     if rows.shape[1] == size:
         return rows
     kinds = layouts()
     given, known = kinds.get(rows.shape[1]), kinds.get(size)
-    if given is None or known is None or given[0] != known[0] or known[1]:
+    if given is None or known is None or given[0] != known[0] or any(known[i] and not given[i] for i in (1, 3)):
         raise InputError(f"{policy}: the policy was trained on observations of {size} values, got {rows.shape[1]}")
-    seen = np.zeros((len(rows), size), dtype=rows.dtype)
-    common = observation_layout(given[0])["time_left"].stop
-    seen[:, :common] = rows[:, :common]
+    seen, parts = np.zeros((len(rows), size), dtype=rows.dtype), observation_layout(*given)
+    for name, part in observation_layout(*known).items():
+        if name in parts:
+            seen[:, part] = rows[:, parts[name]]
     return seen
 
 

@@ -154,7 +154,7 @@ def load_plain(folder: Path, env_id: str | None = None) -> Agent:
 def check_environment(path: Path, size: int, card: ModelCard | None, env_id: str) -> None:
     """Make sure that an environment gives the inputs of a policy, with the targets of the maneuver that it corrects."""
     others = {} if card is None else card.environment.others
-    ends = [others.get(name) is not None for name in ("asked", "comfort_budget_s")]
+    ends = [bool(others.get(name)) for name in ("asked", "comfort_budget_s", "observe_correlations")]
     seen = observation_size(len(model_of_env(env_id).muscles.parameter_names), *ends)
     seen += 0 if card is None or card.residual is None else N_FEATURES
     if size != seen:

@@ -1,4 +1,4 @@
-"""The place and scale of each part of the agent's observation; ``observation`` fills it."""
+"""The agent's observation: the place and scale of each part. ``world.observation`` fills it."""
 
 from __future__ import annotations
 
@@ -33,33 +33,36 @@ MOMENT_SCALE = FORCE_SCALE * 0.02
 TARGET_SCALE = 0.01
 
 
-def observation_layout(n_parameters: int = 12, asked: bool = False, budget: bool = False) -> dict[str, slice]:
+def observation_layout(
+    n_parameters: int = 12, asked: bool = False, budget: bool = False, correlations: bool = False
+) -> dict[str, slice]:
     """Slices of the parts of the flat observation, in a model with so many parameters: name -> slice.
 
-    Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) end it;
+    Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) follow;
     elsewhere, where the device keeps a ``budget`` of discomfort, ``spent`` (share of it, as the device takes it to be).
+    Last are the belief's ``correlations``, where they are observed: row by row, above the diagonal.
     """
     layout, start = {}, 0
-    end = {"asked": n_parameters // 2, "discomfort": 1} if asked else {}
-    end = end or ({"spent": 1} if budget else {})
-    for name, size in (dict.fromkeys(_BELIEF, n_parameters) | _REST_SIZES | end).items():
+    end = {"asked": n_parameters // 2, "discomfort": 1} if asked else {"spent": 1} if budget else {}
+    pairs = {"correlations": n_parameters * (n_parameters - 1) // 2} if correlations else {}
+    for name, size in (dict.fromkeys(_BELIEF, n_parameters) | _REST_SIZES | end | pairs).items():
         layout[name] = slice(start, start + size)
         start += size
     return layout
 
 
-def observation_size(n_parameters: int = 12, asked: bool = False, budget: bool = False) -> int:
+def observation_size(n_parameters: int = 12, *ends: bool, **named: bool) -> int:
     """Length of the flat observation."""
-    return sum(part.stop - part.start for part in observation_layout(n_parameters, asked, budget).values())
+    return sum(part.stop - part.start for part in observation_layout(n_parameters, *ends, **named).values())
 
 
 @cache
-def layouts() -> dict[int, tuple[int, bool, bool]]:
+def layouts() -> dict[int, tuple[int, bool, bool, bool]]:
     """Arguments of ``observation_layout`` by the length of an observation: those of the models."""
     numbers = {len(model.muscles.parameter_names) for model in MODELS.values()}
     ends = (False, False), (True, False), (False, True)
-    kinds = [(number, *end) for number, end in product(numbers, ends)]
-    return {observation_size(*kind): kind for kind in kinds}
+    kinds = [(number, *end, pairs) for number, end, pairs in product(numbers, ends, (False, True))]
+    return {observation_size(*kind): kind for kind in kinds if kind[0] > 2 or not kind[-1]}
 
 
 def parameters_of(size: int) -> int:
@@ -71,7 +74,6 @@ def parameters_of(size: int) -> int:
 
 OBSERVATION_LAYOUT = observation_layout()
 """The layout of ``jawenv/Jaw-v3``, with its 12 parameters."""
-OBSERVATION_SIZE = observation_size()
 
 OBSERVATION_REST = observation_layout(0)
 """The layout behind the belief, counted from the belief's end."""
