@@ -57,7 +57,7 @@ UNTOLD = (
 )
 
 
-class Held:
+class _Held:
     """Constant actions, of each world another corner of the range."""
 
     def __init__(self, control):
@@ -123,7 +123,7 @@ def head(*cells):
 def corners(arguments):
     head("control", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest", "rings, %")
     for control in CONTROLS:
-        sample = beliefs(Held(control), arguments, control=control)
+        sample = beliefs(_Held(control), arguments, control=control)
         _row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
 
 

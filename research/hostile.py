@@ -45,7 +45,7 @@ class _Recurrent:
         return np.tanh(np.einsum("nij,nj->ni", self.out, self.state))
 
 
-class Hostile:
+class _Hostile:
     """All ways to act at once."""
 
     def __init__(self, observed, steps_per_s, seed):
@@ -67,7 +67,7 @@ def episode(env_id, cohort, control, seed):
     """(steps, worlds, terminated, lost, lost without a word, largest NEES / p) of one episode of every way to act."""
     size = gym.make(f"jawenv/{env_id}").observation_space.shape[0]
     rate = mode_of({"control": control}).steps_per_s
-    hostile = Hostile(size, rate, seed)
+    hostile = _Hostile(size, rate, seed)
     envs = gym.make_vec(
         f"jawenv/{env_id}",
         hostile.worlds,

@@ -8,19 +8,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jawenv.base.errors import InputError
 from jawenv.base.files import check_kept
 from jawenv.commands.answer import UNKNOWN, least_known
 from jawenv.commands.recordings import page_writer
 from jawenv.playing.maneuvers.written import save_maneuver
 from jawenv.recordings.files import load_record
-from jawenv.recordings.record import Record
+from jawenv.suggesting.lead import led_back
 from jawenv.suggesting.suggestion import BESIDE, suggest
-
-_ROWS, _OFF_MM = 10, 3.0
-"""Rows of a recording's beginning and end; distance from which the jaw has to close before the movement."""
 
 
 def suggest_next(
@@ -45,12 +40,13 @@ def suggest_next(
         check_kept(page, [path, output, reading.get("columns")])
     record = load_record(path, UNKNOWN, **reading)
     found = suggest(record, **wanted, told=partial(print, file=sys.stderr, flush=True))
-    save_maneuver(found.maneuver, output)
+    maneuver, before = led_back(record, found)
+    save_maneuver(maneuver, output)
     weakest = least_known(record, found.found)
     of = f" of {wanted['asked']}" if wanted.get("asked") else ""
     least = f"{weakest['words']}, sd {weakest['sd']:.1%}"
     print(f"least known now: {least}; largest error bar{of} {found.worst_sd:.1%}")
-    print(f"next: {found.movement()}{_from_rest(record)}")
+    print(f"next: {found.movement()}{before}")
     comfort = f"discomfort {found.expected.discomfort_s:.3f} s"
     print(f"expected after {found.seconds:g} s more: {_in_words(found.expected)}, {comfort}")
     print(f"in its place: the same again {found.again:.1%}, {BESIDE} {_in_words(found.beside)}")
@@ -65,15 +61,6 @@ def suggest_next(
         given = [f"--{name}={value}" for name, value in (wanted | reading).items() if value]
         command = shlex.join(["jawenv", "suggest", str(path), "-o", str(output), "--page", str(page), *given])
         print(f"page: {write_page(found, rows, least, page, command)}")
-
-
-def _from_rest(record: Record) -> str:
-    """Advice to close the jaw before the movement, which begins at rest; empty where the recording ends there."""
-    places = np.ma.masked_invalid(record.measured[:, :3])  # a file may lack some
-    off_mm = 1e3 * float(np.linalg.norm((places[-_ROWS:].mean(axis=0) - places[:_ROWS].mean(axis=0)).filled(0.0)))
-    return (
-        f"; first let the jaw close, the recording ends {off_mm:.0f} mm from its beginning" if off_mm > _OFF_MM else ""
-    )
 
 
 def _in_words(expected: Any) -> str:

@@ -10,9 +10,9 @@ import pytest
 import jawenv
 from jawenv.base.errors import InputError
 from jawenv.commands.app import main
-from jawenv.commands.suggest import _from_rest
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.recordings.files import load_record, save_record
+from jawenv.suggesting.lead import led_back
 from jawenv.suggesting.suggestion import suggest
 from tests.browser import new_page
 
@@ -35,8 +35,9 @@ def test_the_next_movement_is_a_maneuver_that_tells_more_than_the_same_again(rec
     assert_tells(page.read_text(encoding="utf-8"), said)
     assert_readable(page)
     assert "least known now: " in said and "next: opens to " in said and "in its place: the same again" in said
-    assert "; first let the jaw close, the recording ends 2" in said
-    assert Maneuver.load(output).channels.side is not None
+    assert "; before it the jaw is led back to rest, 2" in said
+    written = Maneuver.load(output)
+    assert written.channels.side is not None and written.channels.opening.points[-1].t_s > 10.5
     assert main(["suggest", str(recording), "-o", str(output)]) == 2
     assert "exists already" in capsys.readouterr().err
     assert main(["suggest", str(recording), "-o", str(tmp_path / "next.txt")]) == 2
@@ -63,17 +64,29 @@ def assert_readable(path):
     tab.context.close()
 
 
-def test_only_a_recording_that_ends_open_has_to_close_first(recording):
+@pytest.fixture(scope="module")
+def found(recording):
+    return suggest(load_record(recording), 6.0)
+
+
+def test_only_from_a_recording_that_ends_open_the_jaw_is_led_back(recording, found):
     record = load_record(recording)
     closed = replace(record, measured=np.vstack([record.measured[:-10], record.measured[:10]]))
     one = closed.measured.copy()
     one[:, 1] = np.nan
-    assert _from_rest(closed) == _from_rest(replace(closed, measured=one)) == ""
-    assert _from_rest(record).endswith("mm from its beginning")
+    for at_rest in (closed, replace(closed, measured=one)):
+        assert led_back(at_rest, found) == (found.maneuver, "")
+    maneuver, words = led_back(record, found)
+    lasts_s = float(re.search(r"led back to rest, \d+ mm in ([0-9.]+) s", words)[1])
+    held = Maneuver.named("opening_with_swings").targets(np.array([10.0])).value[0]
+    led = maneuver.targets(np.arange(0.2, lasts_s + 0.1, 0.2)).value
+    np.testing.assert_allclose(led[0, :2], held[:2], atol=0.15)  # where the recording ends
+    assert (led[-1] == 0.0).all() and np.abs(np.diff(led[:, 0])).max() <= 0.1 + 1e-9
+    times = np.arange(0.2, 6.1, 0.2)
+    np.testing.assert_allclose(maneuver.targets(lasts_s + times).value, found.maneuver.targets(times).value, atol=1e-4)
 
 
-def test_what_is_expected_is_below_what_is_known_and_the_same_again(recording):
-    found = suggest(load_record(recording), 6.0)
+def test_what_is_expected_is_below_what_is_known_and_the_same_again(found):
     assert found.seconds == pytest.approx(6.0)
     assert found.expected.low <= found.expected.median <= found.expected.high < found.worst_sd
     assert found.expected.median < found.again < found.worst_sd
