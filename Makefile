@@ -54,7 +54,7 @@ tables: ## play the studies whose tables the documentation shows, and renew thes
 	for study in $(STUDIES); do $(BIN)/python -m eval study $$study && cp runs/study/$$study/study.md docs/tables/$$study.md || exit 1; done
 	$(BIN)/python -m research.honesty all > runs/honesty.md && cp runs/honesty.md docs/tables/honesty.md
 
-check: lint ## lint, types and the quick tests, which share one compiled filter: a minute and a half
+check: lint ## lint, types and the quick tests, which share one compiled filter: half a minute once compiled
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 $(QUICK)
 
 test: lint ## lint, types and all tests

@@ -50,8 +50,8 @@ def _argument(default: Any, help: str, metavar: str = "", option: str = "") -> A
         default: its default.
         help: a sentence for tables and command lines.
         metavar: what stands for its value there.
-        option: how command lines take it: "value", "number", "fields" (FIELD=VALUE, repeated, or a file); not at all
-            where empty.
+        option: how command lines take it: "value", "number", "flag", "fields" (FIELD=VALUE, repeated, or a file); not
+            at all where empty.
     """
     return field(default=default, metadata={"help": help, "metavar": metavar, "option": option})
 
@@ -85,7 +85,7 @@ class Configuration:
     comfort_budget_s: float | None = _argument(
         None, "Discomfort of an episode, s, that the device keeps in targets control; none by default.", "S", "number"
     )
-    observe_correlations: bool = _argument(False, "Whether the observation ends with the belief's correlations.")
+    observe_correlations: bool = _argument(False, "Whether the belief's correlations are observed.", option="flag")
     track_bound: bool = _argument(False, "Whether `info` has the bound as well.")
     info: Info = _argument("full", "Which keys `info` has: full for all, light for those of belief, cost and time.")
     record: bool = _argument(False, "Whether what the device measures is kept.")
