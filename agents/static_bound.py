@@ -3,7 +3,8 @@
 Poses are drawn; those within all soft limits are kept, and the readings of an episode are shared among them so that the
 largest sd is smallest: an optimal experiment in continuous weights (Kiefer & Wolfowitz 1960). No way between poses is
 counted, and a held jaw's readings have the least noise that lasts. So it is below what any movement reaches, but for
-poses that were not drawn. Five to seven poses are visited.
+poses that were not drawn. Five to seven poses are visited. Where the anatomy is not known exactly disturbances last:
+a jaw that moves tells more, and it is no bound.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from agents.twin.belief import Belief
 from agents.twin.constants import Patients, Twin
 from agents.twin.objective import POWER
 from agents.twin.worlds import Worlds
+from jawenv.base.errors import InputError
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.device.comfort import SPEED
 from jawenv.device.device import TICK
@@ -57,7 +59,12 @@ def static_bound(simulation: Any, seconds: float, poses: int = _POSES, seed: int
         seconds: of readings.
         poses: drawn for each patient.
         seed: of the draw.
+
+    Raises:
+        InputError: another model, or an anatomy that is not known exactly.
     """
+    if not simulation.knowledge.exact:
+        raise InputError("knowledge is not exact; allowed for a static bound: exact, as disturbances must not last")
     twin, patients = Twin(simulation), Patients.of_worlds(simulation.worlds)
     number = len(patients)
     drawn = np.random.default_rng(seed).uniform(LOWEST, HIGHEST, (number, poses, N_CHANNELS))

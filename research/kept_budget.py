@@ -113,7 +113,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         print(f"\n**{cohort}**, {asked.patients} patients\n")
         print(f"| {' | '.join(_HEADINGS)} |")
         print("|---|" + "--:|" * (len(_HEADINGS) - 1))
-        print(f"| {' | '.join(_bound_row(cohort, asked.env))} |", flush=True)
+        if gym.make(asked.env).unwrapped.simulation.knowledge.exact:  # type: ignore[attr-defined]
+            print(f"| {' | '.join(_bound_row(cohort, asked.env))} |", flush=True)
         for number, entry in enumerate(entries, 1):
             print(f"| {' | '.join(_row(entry, cohort, asked.env, asked.patients))} |", flush=True)
             print(f"{cohort}: {number} of {len(entries)} entries", file=sys.stderr)

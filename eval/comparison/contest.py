@@ -119,7 +119,7 @@ def _bound(study: Results) -> list[str]:
     env.reset(seed=settings.seed)
     try:
         bound = static_bound(env.unwrapped.simulation, settings.world.episode_s).log_worst
-    except InputError:  # the twin has the midline model alone
+    except InputError:  # the twin has the midline model alone, and the bound is of a jaw that is known exactly
         return []
     less = words.with_interval(statistics.mean(bound - _log(study, best, "worst_sd")[:number]), 3)
     return [f"Static bound of the first {number} patients (`agents/static_bound.py`): worst sd {less}."]

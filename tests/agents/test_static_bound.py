@@ -6,6 +6,7 @@ import pytest
 
 import jawenv
 from agents.static_bound import static_bound
+from jawenv.base.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -39,3 +40,9 @@ def test_more_time_tells_more_and_more_poses_hardly(simulation, bound):
     longer = static_bound(simulation, 20.0)
     assert (longer.log_worst < bound.log_worst).all()
     assert (longer.log_worst > bound.log_worst - 0.5 * np.log(2.0) - 0.1).all()
+
+
+def test_there_is_none_where_disturbances_last():
+    env = gym.make_vec("jawenv/JawImaged-v3", 1)
+    with pytest.raises(InputError, match=r"knowledge is not exact; allowed for a static bound: exact"):
+        static_bound(env.unwrapped.simulation, 10.0)
