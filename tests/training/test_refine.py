@@ -6,6 +6,7 @@ import torch
 
 from agents.twin.constants import Patients, Twin
 from agents.twin.worlds import Worlds
+from jawenv.base.locks import alone
 from jawenv.playing.maneuvers import Maneuver
 from training.cli import main
 from training.search import gradient
@@ -33,6 +34,13 @@ def test_the_command_writes_a_file_that_plays(tmp_path, capsys):
     assert "--refine opening_with_swings" in text and "--horizon-s 2" in text
     assert main([*COMMAND, str(output)]) == 2 and "--overwrite" in capsys.readouterr().err
     assert main([*COMMAND, str(output), "--overwrite"]) == 0
+
+
+def test_one_search_writes_a_file_at_a_time(tmp_path, capsys):
+    output = tmp_path / "mine.yaml"
+    with alone(output):
+        assert main([*COMMAND, str(output)]) == 2
+    assert "in use by another process" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["no/x.yaml", "My File.yaml", "x.toml"])

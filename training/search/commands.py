@@ -12,6 +12,7 @@ from rich.console import Console
 
 from jawenv.base.errors import InputError
 from jawenv.base.files import write_text
+from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
 from jawenv.base.seeds import TUNING
 from jawenv.commands.options import takes_world
@@ -52,33 +53,38 @@ def refine(
 
     _check(output, overwrite)
     console = Console(highlight=False, markup=False, stderr=True)
-    try:
-        with Progress(updates, "updates", console) as progress:
+    with alone(output):
+        try:
+            with Progress(updates, "updates", console) as progress:
 
-            def report(done: int, worst: float, discomfort: float) -> None:
-                progress.note("figures", f"log of the largest sd {worst:.3f}, discomfort {discomfort:.3f} s in 30 s")
-                progress.advance_to(done)
+                def report(done: int, worst: float, discomfort: float) -> None:
+                    progress.note(
+                        "figures", f"log of the largest sd {worst:.3f}, discomfort {discomfort:.3f} s in 30 s"
+                    )
+                    progress.advance_to(done)
 
-            targets = search(refine, cohort, updates, patients, horizon_s, report)
-    except KeyboardInterrupt:
-        console.print("stopped; the same command begins anew", soft_wrap=True)
-        return _INTERRUPTED
-    header = {
-        "name": output.stem,
-        "title": output.stem.replace("_", " ").capitalize(),
-        "description": f"{Path(refine).stem!r} with its targets varied by gradient for the largest sd of {cohort!r} "
-        f"after {horizon_s:g} s.",
-        "source": SOURCE,
-    }
-    content = maneuver_of_targets(targets, DECISION_S, header).model_dump(
-        mode="json", exclude_none=True, exclude_defaults=True
-    )
-    text = yaml.safe_dump(content, sort_keys=False, width=110, default_flow_style=None)
-    options = f"--refine {refine} --cohort {cohort} --updates {updates} --patients {patients} --horizon-s {horizon_s:g}"
-    command = f"python -m training refine --output {output.name} {options}"
-    write_text(output, f"# Found, not made by hand, by\n# {command}\n{text}")
-    console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
-    return 0
+                targets = search(refine, cohort, updates, patients, horizon_s, report)
+        except KeyboardInterrupt:
+            console.print("stopped; the same command begins anew", soft_wrap=True)
+            return _INTERRUPTED
+        header = {
+            "name": output.stem,
+            "title": output.stem.replace("_", " ").capitalize(),
+            "description": f"{Path(refine).stem!r} with its targets varied by gradient for the largest sd of "
+            f"{cohort!r} after {horizon_s:g} s.",
+            "source": SOURCE,
+        }
+        content = maneuver_of_targets(targets, DECISION_S, header).model_dump(
+            mode="json", exclude_none=True, exclude_defaults=True
+        )
+        text = yaml.safe_dump(content, sort_keys=False, width=110, default_flow_style=None)
+        options = (
+            f"--refine {refine} --cohort {cohort} --updates {updates} --patients {patients} --horizon-s {horizon_s:g}"
+        )
+        command = f"python -m training refine --output {output.name} {options}"
+        write_text(output, f"# Found, not made by hand, by\n# {command}\n{text}")
+        console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
+        return 0
 
 
 def _check(output: Path, overwrite: bool) -> None:
