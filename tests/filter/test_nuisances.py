@@ -119,7 +119,7 @@ def test_what_a_jaw_at_rest_shows_and_what_accelerations_show_make_the_whole(rng
     motion, wrench = motion_at(rng), rng.normal(size=6)
 
     def columns(motion, rate, apart):
-        found = np.zeros((6, len(made._sds)))
+        found = np.zeros((6, len(made.nuisance_sds)))
         at = tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench), apart
         wrenches_of(made._jaw, muscles, at, settings, found, scratch)
         return found
@@ -128,7 +128,7 @@ def test_what_a_jaw_at_rest_shows_and_what_accelerations_show_make_the_whole(rng
     whole, apart = columns(motion, rate, False), columns(motion, rate, True)
     still = columns(motion * np.repeat([1.0, 0.0], 5), np.zeros(5), False)
     again, at_rest = (settings["nuisances"][name].astype(bool) for name in ("again", "at_rest"))
-    body = np.array([values["mass"].any() or values["centre_of_mass"].any() for values in made._sds])
+    body = np.array([values["mass"].any() or values["centre_of_mass"].any() for values in made.nuisance_sds])
     assert again.sum() == body.sum() == 4
     np.testing.assert_allclose(apart[:, at_rest], still[:, at_rest], atol=1e-12)
     np.testing.assert_allclose(apart[:, again] + apart[:, body], whole[:, body], atol=1e-12)

@@ -59,8 +59,9 @@ def test_a_check_plays_fresh_patients_and_keeps_the_scores_that_count(copied, ca
         ("hinge-exact", "slow_opening"),
         ("hinge-exact", "opening_with_circles"),
     ]
-    for score, given in zip(kept.scores, json.loads((copied / "submission.json").read_text())["scores"], strict=True):
-        assert score.public_s == given["score_s"] and score.fresh_s != given["score_s"]
+    given = [score["score_s"] for score in json.loads((copied / "submission.json").read_text())["scores"]]
+    assert [score.public_s for score in kept.scores] == given
+    assert [score.fresh_s for score in kept.scores] != given  # a mean of three patients may be that of the public ones
     assert main(command) == 0 and read_model(copied / fresh.CHECKED, fresh.Checked).scores == kept.scores
 
 
