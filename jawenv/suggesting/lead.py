@@ -16,7 +16,7 @@ from jawenv.recordings.record import Record
 _ROWS, _OFF_M = 10, 3e-3
 """Rows of a recording's beginning and end; distance from rest from which the jaw is led back."""
 _PER_S = (0.5, 1.0)
-"""Of opening and side, share of the patient's comfort; a third of what the targets' own rate allows."""
+"""Of opening and side, shares of the patient's comfort; targets may change by 0.9 and 3."""
 _STEP_S = 0.2
 
 
@@ -25,11 +25,10 @@ def led_back(record: Record, suggestion: Any) -> tuple[Maneuver, str]:
 
     It is the maneuver itself, and no words, where the jaw is at rest there.
     """
-    places = np.ma.masked_invalid(record.measured[:, :3])  # a file may lack some
-    moved = (places[-_ROWS:].mean(axis=0) - places[:_ROWS].mean(axis=0)).filled(0.0)
+    moved, full = _from_rest(record, suggestion)
     if np.linalg.norm(moved) <= _OFF_M:
         return suggestion.maneuver, ""
-    lead = _lead(_shares(moved, suggestion))
+    lead = _lead((moved / full).clip([0.0, -1.0], 1.0))
     given: Maneuver = suggestion.maneuver
     goals = given.targets(_STEP_S * np.arange(1, round(suggestion.seconds / _STEP_S) + 1)).value
     header = {name: str(getattr(given, name)) for name in ("name", "title", "description", "source")}
@@ -38,14 +37,20 @@ def led_back(record: Record, suggestion: Any) -> tuple[Maneuver, str]:
     return maneuver_of_targets(np.concatenate([lead, goals]), _STEP_S, header), words
 
 
-def _shares(moved: Array, suggestion: Any) -> Array:
-    """Targets (2,) of opening and side that hold the mouthpiece ``moved`` (3,) m from rest, of the believed patient."""
+def _from_rest(record: Record, suggestion: Any) -> tuple[Array, Array]:
+    """Opening and side (2,), m, at the end of a recording, and what they are at most, of the believed patient.
+
+    The side is counted from the first rows: where the mouthpiece sits is not known better than that.
+    """
     env: Any = gym.make_vec(DEFAULT_ENV, 1, **suggestion.world)
     env.reset(seed=suggestion.seed, options={"patients": [suggestion.patient]})
     limits = env.unwrapped.simulation.worlds["known"]["limits"][0]
-    shares: Array = np.array([-moved[2] / limits["opening"], moved[1] / limits["side"]])
     env.close()
-    return shares.clip([0.0, -1.0], 1.0)
+    places = np.ma.masked_invalid(record.measured[:, :3])  # a file may lack some
+    first, last = places[:_ROWS].mean(axis=0), places[-_ROWS:].mean(axis=0)
+    opening = record.jaw["mouthpiece"][2] - limits["rest_opening"] - last[2]
+    moved = np.ma.stack([np.ma.maximum(opening, 0.0), last[1] - first[1]]).filled(0.0)
+    return moved, np.array([limits["opening"], limits["side"]])
 
 
 def _lead(shares: Array) -> Array:

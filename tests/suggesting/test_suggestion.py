@@ -74,9 +74,12 @@ def test_only_from_a_recording_that_ends_open_the_jaw_is_led_back(recording, fou
     closed = replace(record, measured=np.vstack([record.measured[:-10], record.measured[:10]]))
     one = closed.measured.copy()
     one[:, 1] = np.nan
-    for at_rest in (closed, replace(closed, measured=one)):
+    for at_rest in (closed, replace(closed, measured=one), replace(closed, measured=record.measured[::-1])):
         assert led_back(at_rest, found) == (found.maneuver, "")
     maneuver, words = led_back(record, found)
+    open_all_along = replace(record, measured=np.tile(record.measured[-1], (len(record.measured), 1)))
+    also = led_back(open_all_along, found)[0].targets(np.array([0.2])).value
+    np.testing.assert_allclose(also[0, 0], maneuver.targets(np.array([0.2])).value[0, 0], atol=0.02)
     lasts_s = float(re.search(r"led back to rest, \d+ mm in ([0-9.]+) s", words)[1])
     held = Maneuver.named("opening_with_swings").targets(np.array([10.0])).value[0]
     led = maneuver.targets(np.arange(0.2, lasts_s + 0.1, 0.2)).value
