@@ -24,14 +24,14 @@ def fitted(rows: Observation, size: int, policy: object) -> Observation:
     """
     if rows.shape[1] == size:
         return rows
-    kinds = layouts()
-    given, known = kinds.get(rows.shape[1]), kinds.get(size)
+    given, known = layouts().get(rows.shape[1]), layouts().get(size)
     if given is None or known is None or given[0] != known[0] or any(known[i] and not given[i] for i in (1, 3)):
-        raise InputError(f"{policy}: the policy was trained on observations of {size} values, got {rows.shape[1]}")
-    seen, parts = np.zeros((len(rows), size), dtype=rows.dtype), observation_layout(*given)
-    for name, part in observation_layout(*known).items():
-        if name in parts:
-            seen[:, part] = rows[:, parts[name]]
+        why = "is it another model, or is `asked` or `observe_correlations` missing?"
+        raise InputError(f"{policy}: trained on observations of {size} values, got {rows.shape[1]}; {why}")
+    seen = np.zeros((len(rows), size), dtype=rows.dtype)
+    parts, wanted = observation_layout(*given), observation_layout(*known)
+    for name in parts.keys() & wanted.keys():
+        seen[:, wanted[name]] = rows[:, parts[name]]
     return seen
 
 
