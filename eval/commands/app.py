@@ -123,7 +123,6 @@ COMMANDS: dict[str, Callable[..., None] | str] = {
     "contest": "eval.commands.comparison",
     "replay": "eval.commands.comparison",
     "calibrate": "eval.commands.calibration",
-    "dataset": "eval.commands.dataset",
     "information": "eval.commands.information",
     "benchmark": "eval.commands.benchmark",
     "live": "eval.commands.live",

@@ -83,7 +83,7 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
         (
             "eval",
             {"jawenv", "agents", "training", "eval", "examples"},
-            ["all", "train", "eval", "cluster", "dataset", "sbi"],
+            ["all", "train", "eval", "cluster", "sbi"],
         ),
         ("research", {"jawenv", "agents", "eval", "tests"}, ["all", "train", "eval"]),
     ],

@@ -138,11 +138,6 @@ LEAVES = {
     "results of a card": Leaf(
         ("eval/comparison/card_results.py",), (COMPARE,), ("tests/eval/comparison/test_card_results.py",)
     ),
-    "data sets": Leaf(
-        ("eval/episodes/dataset.py", "eval/episodes/croissant.py", "eval/commands/dataset.py"),
-        (EVAL,),
-        ("tests/eval/episodes/test_dataset.py",),
-    ),
     "films": Leaf(
         ("eval/episodes/film.py", "eval/episodes/video.py", "jawenv/rendering/film.py"),
         (EVAL,),
