@@ -18,15 +18,6 @@ class _MakesPlanner(Protocol):
     def __call__(self, *, control: Control) -> Planner: ...  # noqa: D102
 
 
-def _sampling(name: str, clairvoyant: bool) -> _MakesPlanner:
-    def make(*, control: Control) -> Planner:
-        from agents.sampling_planner import SamplingPlanner
-
-        return SamplingPlanner(name, clairvoyant=clairvoyant, control=control)
-
-    return make
-
-
 def _clairvoyant(*, control: Control) -> Planner:
     from agents.clairvoyant import Clairvoyant
 
@@ -35,8 +26,6 @@ def _clairvoyant(*, control: Control) -> Planner:
 
 PLANNERS: Mapping[str, _MakesPlanner] = MappingProxyType(
     {
-        "myopic": _sampling("myopic", clairvoyant=False),
-        "clairvoyant_myopic": _sampling("clairvoyant_myopic", clairvoyant=True),
         "clairvoyant": _clairvoyant,
     }
 )

@@ -11,7 +11,6 @@ from estimation_records import records
 
 import agents
 import jawenv
-from agents.sampling_planner import SamplingPlanner
 from eval.comparison.admission import AdmissionLimits
 from eval.kept.entries import Settings, load_entries
 from eval.patient.treatments import Course
@@ -181,12 +180,11 @@ AGENTS = [
     ("gone.zip file", lambda: agents.load_agent("gone.zip")),
     ("missing.yaml file", lambda: agents.load_agent("missing.yaml")),
     ("control_hz 20 5", lambda: agents.load_agent("ppo_trismus", control="targets", control_hz=20.0)),
-    ("control force targets", lambda: agents.load_agent("myopic", control="force")),
+    ("control force targets", lambda: agents.load_agent("clairvoyant", control="force")),
     ("chrip chirp allowed", lambda: agents.load_agent("chrip")),
     ("control_hz 12 5", lambda: TargetsLaw("force", 12.0)),
     ("control_hz often positive", lambda: decision_hz({"control": "targets", "control_hz": "often"})),
     ("scale 0 greater", lambda: Residual(maneuver="chirp", scale=0)),
-    *((f"candidates {n} 1 10000", lambda n=n: SamplingPlanner("sampling", candidates=n)) for n in (10**9, 0, 64.5)),
 ]
 COMMANDS = [
     ("nowhere.yaml file", lambda: TrainingConfig.load("nowhere.yaml")),

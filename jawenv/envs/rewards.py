@@ -14,7 +14,7 @@ NORM = 6.0  # of the sds: near to the largest, and still smooth
 
 
 class _Worlds(Protocol):
-    """N worlds, of a ``Simulation`` or a ``Fork``."""
+    """N worlds, of a ``Simulation``."""
 
     @property
     def worlds(self) -> NDArray[np.void]:

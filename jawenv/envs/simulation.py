@@ -34,7 +34,6 @@ from jawenv.mechanics.building import build_jaw, gravity_in_head
 from jawenv.mechanics.dynamics import N_BODY, N_STATES, N_WRENCH
 
 if TYPE_CHECKING:
-    from jawenv.envs.fork import Fork
     from jawenv.envs.moved_plants import MovedJaw, MovedPlants
     from jawenv.envs.own_estimators import OwnEstimators
     from jawenv.filter.nuisances.unknowns import Values
@@ -189,12 +188,6 @@ class Simulation:
         true_time = float(settings["reality"]["unmodelled_time"]) or time
         settings["unmodelled_decay"] = np.exp(-TICK / true_time) if true_time > 0.0 else 0.0
         settings["noise_variance"][:N_WRENCH] = settings["filter"]["wrench_variance"]
-
-    def fork(self, copies: int, *, reward: Any, believed: bool) -> Fork:
-        """So many copies of each world, to be played ahead; arguments and errors as of ``Fork``."""
-        from jawenv.envs.fork import Fork
-
-        return Fork(self, copies, reward=reward, believed=believed)
 
     @property
     def _costs(self) -> NDArray[np.float64]:

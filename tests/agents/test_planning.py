@@ -8,17 +8,12 @@ import agents
 import jawenv
 from agents.clairvoyant import Clairvoyant
 from agents.planners import PLANNERS
-from agents.sampling_planner import SamplingPlanner
 from jawenv.base.errors import InputError
 from jawenv.playing.agents import Agent, Planning
 from tests.recorded import Actions
 
 KWARGS = {"control": "targets", "episode_s": 2.0}
-QUICK = {
-    "myopic": lambda: SamplingPlanner("myopic", candidates=6),
-    "clairvoyant_myopic": lambda: SamplingPlanner("clairvoyant_myopic", candidates=6, clairvoyant=True),
-    "clairvoyant": lambda: Clairvoyant(updates=2),
-}
+QUICK = {"clairvoyant": lambda: Clairvoyant(updates=2)}
 
 
 def vector(number=2, **kwargs):
@@ -51,7 +46,7 @@ def test_every_planner_has_a_name_and_says_what_it_does():
 
 
 def test_what_a_planner_cannot_do_without_is_named():
-    agent = QUICK["myopic"]()
+    agent = QUICK["clairvoyant"]()
     with pytest.raises(InputError):
         agent.predict(np.zeros((2, 59), np.float32))
     with pytest.raises(InputError):
@@ -69,11 +64,6 @@ def test_the_twin_is_of_one_model(env_id):
         jawenv.play(QUICK["clairvoyant"](), patients=1, seed=5000, env_id=env_id, env_kwargs=KWARGS)
 
 
-def test_one_candidate_stays():
-    _, actions = actions_of(SamplingPlanner("one", candidates=1), patients=1, seed=5000)
-    assert np.ptp(actions, axis=0).max() == 0.0
-
-
 @pytest.mark.parametrize("name", QUICK)
 @pytest.mark.parametrize("options", [{"track_bound": True, "record": True, "reward": "bound", "cohort": "wide"}, {}])
 def test_planning_changes_nothing_of_the_real_worlds(name, options):
@@ -84,11 +74,11 @@ def test_planning_changes_nothing_of_the_real_worlds(name, options):
     np.testing.assert_array_equal(planned.belief_cov, replayed.belief_cov)
     np.testing.assert_array_equal(planned.belief_mean, replayed.belief_mean)
     np.testing.assert_array_equal(planned.bound_sd, replayed.bound_sd)
-    assert agent.decisions == (2 if name == "clairvoyant" else 4) and agent.ms_per_decision > 0.0
+    assert agent.decisions == 2 and agent.ms_per_decision > 0.0
     assert np.ptp(watched.actions, axis=0).max() > 0.1
 
 
-@pytest.mark.parametrize("name", ["myopic", "clairvoyant"])
+@pytest.mark.parametrize("name", ["clairvoyant"])
 def test_a_world_s_plan_depends_on_no_other_world(name):
     _, both = actions_of(QUICK[name](), patients=2, seed=5000)
     _, one = actions_of(QUICK[name](), patients=1, seed=5001, agent_seed=1)
@@ -96,7 +86,7 @@ def test_a_world_s_plan_depends_on_no_other_world(name):
 
 
 def test_a_new_episode_is_planned_from_its_start():
-    agent, env = QUICK["myopic"](), vector(1)
+    agent, env = QUICK["clairvoyant"](), vector(1)
     first, _ = env.reset(seed=5000)
     agent.reset(1, 3)
     agent.attach(env)
@@ -111,6 +101,6 @@ def test_a_new_episode_is_planned_from_its_start():
 def test_a_planner_learns_more_than_holding_still():
     kwargs = {**KWARGS, "episode_s": 3.0}
     worst = {}
-    for agent in (QUICK["myopic"](), agents.load_agent("hold_still", control="targets")):
+    for agent in (QUICK["clairvoyant"](), agents.load_agent("hold_still", control="targets")):
         worst[agent.name] = jawenv.play(agent, patients=2, seed=5000, env_kwargs=kwargs).belief_sd[:, -1].max(axis=1)
-    assert (worst["myopic"] < 0.6 * worst["hold_still"]).all()
+    assert (worst["clairvoyant"] < 0.6 * worst["hold_still"]).all()

@@ -8,7 +8,6 @@ from gymnasium.utils.env_checker import check_env
 import jawenv
 from jawenv.envs.observation import layouts, observation_layout, parameters_of
 from jawenv.envs.registration import ENVIRONMENTS
-from jawenv.envs.rewards import potential
 
 ID = "jawenv/Jaw-v3"
 PLACE = observation_layout(12, asked=True)
@@ -115,16 +114,6 @@ def test_the_vector_form_is_that_of_single_environments(mode):
     np.testing.assert_array_equal(many.step(np.tile(OPEN, (3, 1)))[0], rows)
     with pytest.raises(jawenv.InputError, match="option asked has 2 entries; allowed: 3"):
         many.reset(options={"asked": ["left", None]})
-
-
-def test_copies_of_worlds_ask_what_the_worlds_ask():
-    env = gym.make_vec(ID, num_envs=2, asked="random", reward="worst")
-    env.reset(seed=0)
-    simulation = env.unwrapped.simulation
-    fork = simulation.fork(3, reward="worst", believed=True)
-    fork.begin(np.ones((2, 2), dtype=np.uint64))
-    np.testing.assert_array_equal(fork.asked, np.repeat(simulation.asked, 3, axis=0))
-    np.testing.assert_allclose(potential("worst", fork), np.repeat(potential("worst", simulation), 3))
 
 
 @pytest.mark.parametrize("env_id", ENVIRONMENTS)

@@ -191,7 +191,7 @@ def test_players_and_scores_take_it_and_planners_do_not():
     played = jawenv.play(jawenv.Player("hold_still", control="force"), patients=2, seed=5000, env_kwargs=arguments)
     np.testing.assert_allclose(played.belief_sd[:, -1], jawenv.cohort("trismus").prior.sd / 2.01 * np.ones((2, 1)))
     with pytest.raises(jawenv.InputError):
-        jawenv.play(load_agent("myopic"), patients=1, seed=5000, env_kwargs=arguments)
+        jawenv.play(load_agent("clairvoyant"), patients=1, seed=5000, env_kwargs=arguments)
 
 
 @pytest.mark.parametrize("value", ["kalman", 3, Shrinking, object()])

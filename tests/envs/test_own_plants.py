@@ -247,8 +247,6 @@ def test_a_plant_that_fails_ends_the_episode():
     np.testing.assert_array_equal(env.reset(seed=5000)[0], before)
     with pytest.raises(jawenv.InputError, match="the plant rests with"):
         gym.make(ID, plant=FarOpen()).reset(seed=5000)
-    with pytest.raises(jawenv.InputError, match="plant is the user's own"):
-        env.unwrapped.simulation.fork(2, reward="uncertainty", believed=True)
 
 
 def test_a_plant_by_its_name_is_a_plain_argument():

@@ -212,14 +212,9 @@ LEAVES = {
         ("agents/planning.py",),
         ("agents/planners.py",),
         ("tests/agents/test_planning.py",),
-        ("clairvoyant", "sampling planner"),
+        ("clairvoyant"),
     ),
     "clairvoyant": Leaf(("agents/clairvoyant.py",), ("agents/planners.py",), ("tests/agents/test_planning.py",)),
-    "sampling planner": Leaf(
-        ("agents/sampling_planner.py", "jawenv/envs/fork.py"),
-        ("agents/planners.py", SIMULATION),
-        ("tests/agents/test_planning.py", "tests/envs/test_copies.py"),
-    ),
     "agents of one's own": Leaf(("agents/own.py",), ("agents/registry.py",), ("tests/agents/test_own.py",)),
     "form of stable-baselines3": Leaf(
         ("jawenv/sb3.py",), ("training/run/worlds.py",), ("tests/training/test_worlds.py",)

@@ -33,10 +33,10 @@ def test_every_entry_is_played_under_every_setting():
         environments=["Jaw", {"env": "bilateral", "estimator": "midline"}],
         controls=["force", "targets"],
         reality={"none": {}, "creep": {"creep_share": 0.3}},
-        entries=["hold_still", {"agent": "myopic", "controls": ["targets"], "patients": 1}],
+        entries=["hold_still", {"agent": "clairvoyant", "controls": ["targets"], "patients": 1}],
     )
     assert len(made) == len({cell.name for cell in made}) == 2 * 2 * (2 + 1)
-    planned = [cell for cell in made if cell.levels["entry"] == "myopic"]
+    planned = [cell for cell in made if cell.levels["entry"] == "clairvoyant"]
     assert {cell.levels["control"] for cell in planned} == {"targets"} and {len(cell.seeds) for cell in planned} == {1}
     assert {cell.levels["control_hz"] for cell in made} == {5.0, 20.0}
     assert {cell.levels["environment"] for cell in made} == {"Jaw", "JawBilateral, midline filter"}
@@ -105,8 +105,8 @@ def test_shipped_studies_are_of_all_that_they_are_about():
         ),
         ({"entries": ["nobody"]}, "agent is 'nobody'; allowed: chirp"),
         (
-            {"entries": ["myopic"], "controls": ["force"]},
-            "agent 'myopic': control is 'force'; allowed: targets",
+            {"entries": ["clairvoyant"], "controls": ["force"]},
+            "agent 'clairvoyant': control is 'force'; allowed: targets",
         ),
         ({"cohorts": ["knees"]}, "cohort is 'knees'; allowed: trismus"),
         (
