@@ -1,7 +1,7 @@
 """Write the site's pages as plain Markdown: ``python docs/site/build.py``, before any engine makes HTML of them.
 
 Into runs/site_source go the pages of docs/ and of other folders, with links led to places of the site and formulas as
-MathML, and the pages that are made: environments, gallery, leaderboard, examples, notebooks, all
+MathML, and the pages that are made: environments, gallery, examples, notebooks, all
 tables, API.
 """
 
@@ -22,7 +22,6 @@ import environment_pages  # noqa: E402
 import example_pages  # noqa: E402
 import gallery  # noqa: E402
 import landing  # noqa: E402
-import leaderboard  # noqa: E402
 import notebook_pages  # noqa: E402
 import table_page  # noqa: E402
 from formulas import with_mathml  # noqa: E402
@@ -60,7 +59,7 @@ def _texts() -> dict[str, str]:
     texts["index.md"] = landing.landing(texts["index.md"])
     texts["tables.md"] = table_page.page({path.stem: _led(f"docs/tables/{path.name}") for path in table_page.TABLES})
     texts = {place: with_mathml(text) for place, text in (texts | environment_pages.pages()).items()}
-    made = {"gallery.md": gallery.page(), "leaderboard.md": leaderboard.page()}
+    made = {"gallery.md": gallery.page()}
     made |= {"examples.md": example_pages.page(), "api.md": _api()}
     texts |= made | notebook_pages.pages()
     heads = {place: f"---\nsearch: {{{rule}}}\n---\n\n" for place, rule in SEARCH.items()}

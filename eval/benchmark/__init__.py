@@ -1,1 +1,1 @@
-"""A frozen benchmark: named tasks, one score per task and agent, and submissions that anyone can check again."""
+"""A frozen benchmark: named tasks, and one score per task and agent."""

@@ -7,8 +7,6 @@ from dataclasses import replace
 from functools import partial
 
 from agents.registry import world_of
-from eval.benchmark.agent_process import load_apart
-from eval.benchmark.labels import label_of, numbered
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
 from eval.kept.cells import Cell
 from eval.kept.entries import can_play, load_entry
@@ -30,22 +28,19 @@ def cells_of(
     if not specs:
         raise InputError("nothing to play: name a maneuver, a file, a training run or a policy")
     cells = [
-        (cell_of(task, spec, patients=patients, trust=trust), spec)
+        (spec, cell_of(task, spec, patients=patients, trust=trust))
         for spec in dict.fromkeys(specs)
         for task in _fitting(spec, tasks)
     ]
-    specs_of: dict[str, list[str]] = {}
-    for cell, spec in cells:
-        named = specs_of.setdefault(str(cell.levels["agent"]), [])
-        named += [] if spec in named else [spec]
-    return tuple(_told_apart(cell, spec, specs_of[str(cell.levels["agent"])]) for cell, spec in cells)
-
-
-def _told_apart(cell: Cell, spec: str, named: Sequence[str]) -> Cell:
-    """The cell, with a number where agents of other specs have its label."""
-    if len(named) == 1:
-        return cell
-    return replace(cell, levels={**cell.levels, "agent": numbered(str(cell.levels["agent"]), named.index(spec) + 1)})
+    named: dict[object, set[str]] = {}
+    for spec, cell in cells:
+        named.setdefault(cell.levels["agent"], set()).add(spec)
+    return tuple(
+        cell
+        if len(named[cell.levels["agent"]]) == 1
+        else replace(cell, levels={**cell.levels, "agent": f"{cell.levels['agent']} ({spec})"})
+        for spec, cell in cells
+    )
 
 
 def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None, *, trust: bool = False) -> Cell:
@@ -58,8 +53,8 @@ def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None,
         patients: the first ones; all by default.
         trust: whether a stable-baselines3 checkpoint may be unpickled.
     """
-    load = partial(load_entry, spec, task.settings().world, trust=trust, load=load_apart)
-    levels = {"task": task.id, "agent": agent or label_of(load().label)}
+    load = partial(load_entry, spec, task.settings().world, trust=trust)
+    levels = {"task": task.id, "agent": agent or load().label}
     return Cell(
         levels,
         load,

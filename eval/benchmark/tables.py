@@ -87,7 +87,7 @@ def markdown(rows: pd.DataFrame, metadata: dict[str, Any]) -> str:
 
 
 def _how_many(rows: pd.DataFrame, tasks: Sequence[Task]) -> str:
-    """Whether all patients were played; where fewer were, it is no complete submission."""
+    """Whether all patients were played."""
     played = {task.id: rows.loc[rows["task"] == task.id, "seed"].nunique() for task in tasks}
     fewer = {
         task.id: f"the first {played[task.id]} of {task.patients}" for task in tasks if played[task.id] < task.patients

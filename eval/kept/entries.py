@@ -159,7 +159,6 @@ def load_entries(
     world: Configuration | None = None,
     *,
     trust: bool = False,
-    load: Callable[..., Agent] = registry.load_agent,
 ) -> list[Entry]:
     """Load every agent, with its own control mode and sensors where it was trained on others.
 
@@ -167,9 +166,8 @@ def load_entries(
         specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
         world: environment and arguments; the default environment by default.
         trust: whether stable-baselines3 checkpoints may be unpickled, which can run code.
-        load: makes the agents, as `agents.registry.load_agent`.
     """
-    entries = [load_entry(spec, world or Configuration(), trust=trust, load=load) for spec in dict.fromkeys(specs)]
+    entries = [load_entry(spec, world or Configuration(), trust=trust) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]
     return [
         entry if labels.count(entry.label) == 1 else replace(entry, label=f"{entry.label} ({entry.spec})")
@@ -177,13 +175,13 @@ def load_entries(
     ]
 
 
-def load_entry(
-    spec: str, asked: Configuration, *, trust: bool = False, load: Callable[..., Agent] = registry.load_agent
-) -> Entry:
+def load_entry(spec: str, asked: Configuration, *, trust: bool = False) -> Entry:
     """Load one agent, as `load_entries`."""
     trained = world_of(spec)
     world, notes = (asked, []) if trained is None else _of_a_run(spec, trained, asked)
-    agent = load(spec, control=world.control, control_hz=world.control_hz, env_id=world.env_id, trust=trust)
+    agent = registry.load_agent(
+        spec, control=world.control, control_hz=world.control_hz, env_id=world.env_id, trust=trust
+    )
     maneuver, clairvoyant = (getattr(agent, name, None) for name in ("maneuver", "clairvoyant"))
     return Entry(
         label=agent.name,

@@ -1,6 +1,5 @@
-"""A small submission, played once."""
+"""A few patients of two tasks, played once."""
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -17,11 +16,6 @@ def play(output, *arguments):
 
 @pytest.fixture(scope="session")
 def played(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("benchmark") / "submission"
+    folder = tmp_path_factory.mktemp("benchmark") / "scores"
     assert play(folder) == 0
     return folder
-
-
-@pytest.fixture
-def copied(played, tmp_path):
-    return Path(shutil.copytree(played, tmp_path / "submission"))
