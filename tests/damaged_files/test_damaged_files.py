@@ -1,7 +1,4 @@
-"""A damaged file of any kind is refused in one line, or read right.
-
-`research/damage.py` reads some thousands.
-"""
+"""A damaged file of any kind is refused in one line, or read right."""
 
 from pathlib import Path
 
