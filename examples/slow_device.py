@@ -1,4 +1,4 @@
-"""How well do the filter and the smoother know the muscles from encoders that are read more seldom?
+"""How well does the filter know the muscles from encoders that are read more seldom?
 
     python examples/slow_device.py open_and_hold --patients 32 --episode-s 15
 
@@ -20,7 +20,6 @@ from jawenv.recordings.estimate import Estimator
 from jawenv.recordings.record import Record
 from jawenv.recordings.record_filter import TensionFilter
 from jawenv.recordings.thinning import divided, thinned
-from jawenv.references.smoother import IteratedSmoother
 
 TICK_HZ = 100
 
@@ -44,13 +43,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--episode-s", type=float, default=15.0)
     parser.add_argument("--every", type=int, nargs="+", default=[1, 2, 5, 10, 20], help="keep one reading of so many")
-    parser.add_argument("--no-smoother", action="store_true", help="the filter alone, which is much quicker")
     given = parser.parse_args()
 
     env_kwargs = {"record": True, "episode_s": given.episode_s}
     agent = load_agent(given.maneuver, control="force")
     records = jawenv.play(agent, patients=given.patients, seed=given.seed, env_kwargs=env_kwargs).records
-    estimators: list[Estimator] = [TensionFilter()] if given.no_smoother else [TensionFilter(), IteratedSmoother()]
+    estimators: list[Estimator] = [TensionFilter()]
     print(f"{agent.name}, {given.patients} patients, {given.episode_s:g} s\n")
     print("readings  estimator            NEES/12         median   rms error of the logs")
     for every in given.every:

@@ -32,7 +32,6 @@ from jawenv.playing.singles import SingleWorlds
 from jawenv.recordings.record_filter import TensionFilter
 from jawenv.references.extended_kalman import ExtendedKalman
 from jawenv.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
-from jawenv.references.smoother import IteratedSmoother
 from jawenv.rendering import Renderer
 from training.run.config import Residual, TrainingConfig
 from training.run.seeds import _parsed
@@ -120,10 +119,6 @@ LABORATORY = [
     ("every 0 allowed", lambda: ExtendedKalman(every=0)),
     ("every 0 allowed", lambda: FilterpyExtendedKalman(every=0)),
     ("alpha 0.0 allowed", lambda: FilterpyUnscentedKalman(alpha=0.0)),
-    ("max_iterations 0 allowed", lambda: IteratedSmoother(max_iterations=0)),
-    ("tolerance 0.0 allowed", lambda: IteratedSmoother(tolerance=0.0)),
-    ("times () allowed", lambda: IteratedSmoother(times=())),
-    ("times 1.0 allowed", lambda: IteratedSmoother(times=(2.0, 1.0))),
     ("starts 0 allowed", lambda: NonlinearLeastSquares(starts=0)),
     ("form sum allowed", lambda: TwoStageLogLinear("sum")),
     ("small_share 1 allowed", lambda: TwoStageLogLinear(small_share=1.0)),

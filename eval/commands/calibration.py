@@ -24,7 +24,7 @@ def _calibrate_command(
         str,
         typer.Option(
             help="tension (the environment's own), ekf-decaying, ekf-constant, ekf-none, ekf-linear, ekf-filterpy, "
-            "mode-search, smoother, ukf (slow); separated by commas.",
+            "ukf (slow); separated by commas.",
             metavar="NAME,...",
         ),
     ] = "tension",

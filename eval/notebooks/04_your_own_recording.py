@@ -114,5 +114,4 @@ print(jawenv.identifiability(record, mean).describe())
 # ## Next
 #
 # - The same on the command line: `jawenv identify bench.csv`.
-# - `IteratedSmoother` and `ModeSearch` are slower and see more: `docs/calibration.md` says when.
 # - `05_thesis.ipynb` compares estimators on the cases of Young (2016).

@@ -93,7 +93,7 @@ def _estimate(recording: Recording, world: int, name: str, times: tuple[float, .
     assert recording.records is not None, "the worlds were played with record=True"
     record = recording.records[world]
     every = round(float(recording.time[1]) / record.dt)
-    return OTHERS[name](every, times).estimate(record)
+    return OTHERS[name](every).estimate(record)
 
 
 def _judge(recording: Recording, world: int, estimate: Estimate, time: float) -> dict[str, object]:

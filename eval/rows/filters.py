@@ -10,27 +10,23 @@ from jawenv.base.errors import InputError
 from jawenv.recordings.estimate import Estimator
 from jawenv.references.extended_kalman import ExtendedKalman
 from jawenv.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
-from jawenv.references.mode_search import ModeSearch
-from jawenv.references.smoother import IteratedSmoother
 
 TENSION = "tension"
 """The environment's own filter: its belief stands in the recording and is not computed again."""
 THESIS_RATE = 0.01  # relative, per square root of a second: the constant noise of Young (2016)
 
-Make = Callable[[int, tuple[float, ...]], Estimator]
+Make = Callable[[int], Estimator]
 OTHERS: Mapping[str, Make] = MappingProxyType(
     {
-        "ekf-decaying": lambda every, times: ExtendedKalman("log", every=every),
-        "ekf-constant": lambda every, times: ExtendedKalman("log", THESIS_RATE, math.inf, every),
-        "ekf-none": lambda every, times: ExtendedKalman("log", 0.0, every=every),
-        "ekf-linear": lambda every, times: ExtendedKalman("linear", THESIS_RATE, math.inf, every),
-        "ekf-filterpy": lambda every, times: FilterpyExtendedKalman(every=every, compiled_model=True),
-        "ukf": lambda every, times: FilterpyUnscentedKalman(every=every),
-        "mode-search": lambda every, times: ModeSearch(times=times),
-        "smoother": lambda every, times: IteratedSmoother(times=times),
+        "ekf-decaying": lambda every: ExtendedKalman("log", every=every),
+        "ekf-constant": lambda every: ExtendedKalman("log", THESIS_RATE, math.inf, every),
+        "ekf-none": lambda every: ExtendedKalman("log", 0.0, every=every),
+        "ekf-linear": lambda every: ExtendedKalman("linear", THESIS_RATE, math.inf, every),
+        "ekf-filterpy": lambda every: FilterpyExtendedKalman(every=every, compiled_model=True),
+        "ukf": lambda every: FilterpyUnscentedKalman(every=every),
     }
 )
-"""Each by its name: made from the ticks between the kept beliefs and the times (s) at which one is wanted."""
+"""Each by its name: made from the ticks between the kept beliefs."""
 
 
 def filters_named(names: Sequence[str]) -> tuple[str, ...]:

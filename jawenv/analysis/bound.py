@@ -87,7 +87,7 @@ def bound_along(record: Record, parameters: Array | None = None, every: int = 1)
     """The bound along a record's motion.
 
     Args:
-        record: with ``states``: the true ones of a simulation, or a smoother's estimate put in by
+        record: with ``states``: the true ones of a simulation, or an estimate put in by
             ``dataclasses.replace``. Without ``wrenches`` the load cell's samples stand for them.
         parameters: (p,) natural-log parameters at which the model is linearised; None for the record's ``truth``.
         every: ticks from one kept time to the next; the last tick is always kept.

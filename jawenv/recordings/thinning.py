@@ -37,7 +37,7 @@ def thinned(record: Record, every: int) -> Record:
     10 Hz     178, 14 %     12.0, 4.9 %
     ========  ============  ========================
 
-    What the environments' own filter and the smoother make of ``divided`` records, ``examples/slow_device.py`` prints.
+    What the environments' own filter makes of ``divided`` records, ``examples/slow_device.py`` prints.
 
     Args:
         record: of T ticks.

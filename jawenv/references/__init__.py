@@ -1,1 +1,1 @@
-"""Estimators to compare the online filter with: joint Kalman filters, filterpy's, the iterated smoother."""
+"""Estimators to compare the online filter with: joint Kalman filters, filterpy's."""

@@ -22,7 +22,7 @@ def initial_belief(record: Record) -> tuple[Array, Array]:
     Returns:
         (n + p + 1,) and (n + p + 1, n + p + 1).
     """
-    record.require_exact("reference filter or smoother")
+    record.require_exact("reference filter")
     mean = np.concatenate([record.start_mean, record.prior.mean, [0.0]])
     sd = np.concatenate([record.start_sd, record.prior.sd, [record.gain_sd]])
     return mean, np.diag(sd**2)

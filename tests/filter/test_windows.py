@@ -164,7 +164,7 @@ def test_slow_recordings_are_judged_right():
 
 
 def test_one_point_is_judged_right_in_most():
-    """Of twelve patients seven at least; where more than one motion fits, only ``ModeSearch`` knows."""
+    """Of twelve patients seven at least; where more than one motion fits, no filter knows."""
     kwargs = {"sensors": "point", "episode_s": 15.0, "track_bound": False}
     played = jawenv.play(load_agent(SWINGS, control="force"), patients=12, seed=5000, env_kwargs=kwargs)
     assert not played.terminated.any()

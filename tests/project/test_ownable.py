@@ -167,7 +167,7 @@ LEAVES = {
         + ("jawenv/analysis/path.py",),
         (PUBLIC, SIMULATION),
         ("tests/analysis/test_bound.py", "tests/envs/test_bound_within_sds.py"),
-        ("inference", "identifiability", "smoothers"),
+        ("inference", "identifiability", "references"),
     ),
     "identifiability": Leaf(
         ("jawenv/analysis/identifiability.py", "jawenv/analysis/observability.py"),
@@ -175,7 +175,7 @@ LEAVES = {
         ("tests/analysis/test_identifiability.py",),
         ("inference", "answer"),
     ),
-    "smoothers": Leaf(
+    "references": Leaf(
         ("jawenv/references/*", "jawenv/analysis/joint_likelihood.py", "jawenv/mechanics/newton_euler.py"),
         (),
         ("tests/references",),

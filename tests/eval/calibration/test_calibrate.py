@@ -127,7 +127,7 @@ def ended(recording, world, step, violation):
 
 def test_a_patient_counts_only_at_times_that_it_reached(recording):
     over = ended(recording, 1, 10, True)
-    for name in ("tension", "smoother"):
+    for name in ("tension", "ukf"):
         rows = beliefs.rows_of(over, name, (0.5, 1.0), 4).assign(entry="some", filter="some")
         table = summary.summarise(rows).set_index("time_s")
         assert list(table["patients"]) == [3, 2] and list(table["ended"]) == [0, 1]
