@@ -132,7 +132,7 @@ LEAVES = {
         ("agents/replay.py",),
         ("agents/registry.py",),
         ("tests/agents/test_replay.py",),
-        ("replays of averages", "benchmark"),
+        ("replays of averages",),
     ),
     "replays of averages": Leaf(("eval/episodes/replays.py",), (COMPARE,), ("tests/eval/episodes/test_replays.py",)),
     "results of a card": Leaf(
