@@ -212,7 +212,7 @@ LEAVES = {
         ("agents/planning.py",),
         ("agents/planners.py",),
         ("tests/agents/test_planning.py",),
-        ("clairvoyant"),
+        ("clairvoyant",),
     ),
     "clairvoyant": Leaf(("agents/clairvoyant.py",), ("agents/planners.py",), ("tests/agents/test_planning.py",)),
     "agents of one's own": Leaf(("agents/own.py",), ("agents/registry.py",), ("tests/agents/test_own.py",)),
