@@ -183,7 +183,7 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
             mean[10], cov[20] = np.nan, -np.eye(12)
             return Estimate("broken", good.time, mean, cov)
 
-    monkeypatch.setattr(beliefs, "OTHERS", {**OTHERS, "broken": lambda every, times: Broken()})
+    monkeypatch.setattr(beliefs, "OTHERS", {**OTHERS, "broken": lambda every: Broken()})
     rows = beliefs.rows_of(recording, "broken", (0.25, 0.5, 1.0), 4).assign(entry="some", filter="some")
     table = summary.summarise(rows)
     assert list(table["diverged"]) == [0, 3, 3] and list(table["patients"]) == [3, 0, 0]
