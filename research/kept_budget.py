@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
-import gymnasium as gym
 import numpy as np
 
 import jawenv
@@ -38,8 +37,6 @@ _HEADINGS = (
     "nine in ten",
     "NEES/12",
 )
-_OF_BOUND = 12
-"""Patients of the static bound."""
 
 
 class _Played(NamedTuple):
@@ -88,18 +85,6 @@ def _row(entry: str, cohort: str, env_id: str, patients: int) -> list[str]:
     ]
 
 
-def _bound_row(cohort: str, env_id: str) -> list[str]:
-    """Cells of the static bound."""
-    from agents.static_bound import static_bound
-
-    env: Any = gym.make_vec(env_id, _OF_BOUND, cohort=cohort, episode_s=_SECONDS, control="targets")
-    env.reset(seed=REPORTS[1].start)
-    bound = static_bound(env.unwrapped.simulation, _SECONDS)
-    beside = _played(_BESIDE, cohort, env_id, None, _OF_BOUND)
-    less = words.with_interval(statistics.mean(bound.log_worst - beside.log_worst), 3)
-    return [f"static bound, {_OF_BOUND} patients", less, *[""] * 6]
-
-
 def main(argv: Sequence[str] | None = None) -> None:
     """Print a table for each cohort."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -113,8 +98,6 @@ def main(argv: Sequence[str] | None = None) -> None:
         print(f"\n**{cohort}**, {asked.patients} patients\n")
         print(f"| {' | '.join(_HEADINGS)} |")
         print("|---|" + "--:|" * (len(_HEADINGS) - 1))
-        if gym.make(asked.env).unwrapped.simulation.knowledge.exact:  # type: ignore[attr-defined]
-            print(f"| {' | '.join(_bound_row(cohort, asked.env))} |", flush=True)
         for number, entry in enumerate(entries, 1):
             print(f"| {' | '.join(_row(entry, cohort, asked.env, asked.patients))} |", flush=True)
             print(f"{cohort}: {number} of {len(entries)} entries", file=sys.stderr)

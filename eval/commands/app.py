@@ -120,7 +120,6 @@ COMMANDS: dict[str, Callable[..., None] | str] = {
     "compare": "eval.commands.comparison",
     "report": "eval.commands.comparison",
     "card": "eval.commands.comparison",
-    "contest": "eval.commands.comparison",
     "replay": "eval.commands.comparison",
     "calibrate": "eval.commands.calibration",
     "information": "eval.commands.information",

@@ -115,25 +115,6 @@ def _card_command(
     print(f"written: {output}")
 
 
-def _contest_command(
-    folders: Annotated[list[Path], typer.Argument(help="Folders of finished comparisons.", metavar="FOLDER...")],
-    output: Annotated[Path, typer.Option(help="Page to write.", metavar="FILE.md")] = Path("runs/contest.md"),
-) -> None:
-    """Write how much each entry closes of the gap between the best fixed maneuver and the clairvoyant.
-
-    Each comparison has a clairvoyant among its entries. Entries NAME-seed0, NAME-seed1 ... are one row.
-    """
-    from eval.comparison import results
-    from eval.comparison.contest import markdown
-    from jawenv.base.files import write_text
-
-    with terminal().status("timing a decision of every entry"):
-        page = markdown({folder.name: results.load(folder) for folder in folders})
-    with alone(output):
-        write_text(output, page)
-    print(f"{page}\nwritten: {output}")
-
-
 @options.takes_world("control")
 def _replay_command(
     world: dict[str, Any],

@@ -120,10 +120,7 @@ def compare(
             Cell({"entry": entry.label}, partial(_itself, entry), seeds, outcomes, len(seeds)) for entry in entries
         ]
         rows = play_cells(cells, Path(folder), Run(fresh, 1, console=console))
-        about = [entry.about() for entry in entries]
-        for cell, each in zip(cells, about, strict=True):
-            each |= {"plan_ms": cell.plan_ms(Path(folder))} if each["planned"] else {}
-        metadata = made_with(command, settings=settings.to_mapping(), entries=about)
+        metadata = made_with(command, settings=settings.to_mapping(), entries=[entry.about() for entry in entries])
         study = Results.of_rows(rows, metadata)
         if output is not None:
             save(study, output)

@@ -1,6 +1,6 @@
 """The catalogue of figures: how each is computed of a patient, summed up over patients, headed and written.
 
-Studies, the ranking, its tables in the terminal and on the report's page, gains, contests and cards take their figures
+Studies, the ranking, its tables in the terminal and on the report's page, gains and cards take their figures
 from here by name. sd are of natural logs, so 5 % is 5 % of the parameter.
 """
 

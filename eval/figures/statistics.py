@@ -88,32 +88,10 @@ def mean_over_both(values: Array) -> Interval:
     estimate = float(values.mean())
     if min(values.shape) < 2 or not np.isfinite(estimate):
         return Interval(estimate, float("nan"), float("nan"))
-    return _between(estimate, _resampled(values)[0])
-
-
-def ratio_over_both(values: Array, whole: Array) -> Interval:
-    """Mean over trainings and patients as a share of a mean over patients; both are resampled, patients together.
-
-    Args:
-        values: (S, N) of S trainings, each on the same N patients.
-        whole: (N,) of the same patients.
-    """
-    estimate = float(values.mean() / whole.mean())
-    if len(whole) < 2 or not np.isfinite(estimate):
-        return Interval(estimate, float("nan"), float("nan"))
-    means, patients = _resampled(values)
-    return _between(estimate, means / (patients @ whole))
-
-
-def _resampled(values: Array) -> tuple[Array, Array]:
-    """Means of resampled rows and columns, products with how often each was drawn, and these of the columns."""
     rng, (trainings, patients) = np.random.default_rng(0), values.shape
     rows = rng.multinomial(trainings, np.full(trainings, 1.0 / trainings), RESAMPLES) / trainings
     columns = rng.multinomial(patients, np.full(patients, 1.0 / patients), RESAMPLES) / patients
-    return np.einsum("rs,sn,rn->r", rows, values, columns, optimize=True), columns
-
-
-def _between(estimate: float, resampled: Array) -> Interval:
+    resampled = np.einsum("rs,sn,rn->r", rows, values, columns, optimize=True)
     low, high = np.quantile(resampled, [(1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0])
     return Interval(estimate, float(low), float(high))
 

@@ -71,11 +71,6 @@ class Cell:
         made = fingerprint(entry, decided_by, sys.modules[type(self.rows).__module__], *self.rows.made_by)
         return parts_of(self.name, self.seeds, self.size, folder, {entry.label: made})
 
-    def plan_ms(self, output: Path) -> float:
-        """Time of a plan of a planner, ms, on average over the patients that its first part planned for together."""
-        ((_, path),) = self.parts(output / FOLDER)[0].files
-        return float(read_table(path)[1].get("plan_ms", "nan"))
-
 
 def play_cells(cells: Sequence[Cell], output: Path, run: Run | None = None, unit: str = "episodes") -> pd.DataFrame:
     """Play all cells, but for parts kept in the output folder.
@@ -128,11 +123,9 @@ def _play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> Non
         part.first,
         lambda step, steps: progress.advance_to(before + part.number * step / steps, name),
     )
-    spent = getattr(entry.agent, "ms_per_decision", None)
-    planned = {} if spent is None else {"plan_ms": spent}
     for _, path in part.files:
-        write_table(rows, path, {"cell": part.key, **planned})
-    if spent is not None:
+        write_table(rows, path, {"cell": part.key})
+    if (spent := getattr(entry.agent, "ms_per_decision", None)) is not None:
         progress.say(f"{name}: {spent:.0f} ms per decision")
 
 

@@ -150,12 +150,6 @@ LEAVES = {
         ("tests/suggesting",),
     ),
     "design environments": Leaf(("jawenv/design/*",), (), ("tests/design",)),
-    "static bound": Leaf(("agents/static_bound.py",), (), ("tests/agents/test_static_bound.py",), ("contest",)),
-    "contest": Leaf(
-        ("eval/comparison/contest.py", "eval/comparison/cost.py"),
-        (COMPARE,),
-        ("tests/eval/comparison/test_contest.py",),
-    ),
     "inference": Leaf(
         ("jawenv/inference/*", "eval/*information.py", "eval/rows/gains.py"),
         (EVAL, PUBLIC),
@@ -205,9 +199,7 @@ LEAVES = {
         ("tests/training/test_arguments.py",),
         ("tune",),
     ),
-    "twin": Leaf(
-        ("agents/twin/*",), (), ("tests/agents/twin",), ("clairvoyant", "apg", "maneuver search", "static bound")
-    ),
+    "twin": Leaf(("agents/twin/*",), (), ("tests/agents/twin",), ("clairvoyant", "apg", "maneuver search")),
     "planning": Leaf(
         ("agents/planning.py",),
         ("agents/planners.py",),
