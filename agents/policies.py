@@ -14,11 +14,12 @@ import numpy as np
 from agents.without_card import card_in
 from jawenv.base.errors import InputError
 from jawenv.base.reading import open_file
-from jawenv.controls import Control
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.observation import Parts
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Action, Agent, BatchAgent, Mask, Observation, State
-from jawenv.playing.policies.card import CARD, card_of, policy_folder
-from jawenv.playing.policies.inputs import fitted
+from jawenv.playing.policies.card import CARD, ModelCard, card_of, policy_folder
+from jawenv.playing.policies.inputs import OwnParts
 from jawenv.playing.policies.plain import check_environment, load_plain, on_maneuver
 
 if TYPE_CHECKING:
@@ -35,19 +36,24 @@ class _TrainedPolicy(BatchAgent):
         name: the checkpoint and its folder.
         control: control mode of its actions; None where no run's card says it.
         path: the checkpoint.
-        observation_size: how many values the policy wants to see.
         policy: stable-baselines3's own.
     """
 
     is_trained = True
 
-    def __init__(self, path: Path, policy: BasePolicy, control: Control | None = None) -> None:
+    def __init__(self, path: Path, policy: BasePolicy, card: ModelCard | None, parts: Parts) -> None:
         self.name = f"{path.resolve().parent.name}/{path.stem}"
-        self.control = control
+        self.control = None if card is None else card.environment.control
         self.path = path
-        self.observation_size = int(np.prod(policy.observation_space.shape or (0,)))
+        # On a maneuver `ResidualPolicy` picks the parts.
+        self._own_parts = OwnParts(parts, path) if card is None or card.residual is None else None
         self.policy = policy
         self._state: State = None
+
+    def take_world(self, world: Configuration) -> None:
+        """Get to know the parts of the observations of the worlds that are to be played."""
+        if self._own_parts is not None:
+            self._own_parts.take(world.parts)
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """Forget the memory, if the policy is recurrent; seed the draws of a stochastic policy."""
@@ -61,7 +67,7 @@ class _TrainedPolicy(BatchAgent):
         self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
         memory = self._state if state is None else state
-        seen = fitted(rows, self.observation_size, self.path)
+        seen = rows if self._own_parts is None else self._own_parts(rows)
         action, self._state = self.policy.predict(seen, memory, starts, deterministic)
         return action, self._state
 
@@ -94,8 +100,8 @@ def _of_checkpoint(path: Path, env_id: str, trust: bool) -> Agent:
         raise InputError(f"{path}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
     run = card_of(path)
     card = card_in(path, policy.observation_space.shape, plays) if run is None else run[1]
-    trained = _TrainedPolicy(path, policy, None if card is None else card.environment.control)
-    check_environment(path, trained.observation_size, card, env_id)
+    parts = check_environment(path, int(np.prod(policy.observation_space.shape or (0,))), card, env_id)
+    trained = _TrainedPolicy(path, policy, card, parts)
     return trained if card is None else on_maneuver(trained, path, card)
 
 

@@ -5,7 +5,7 @@ python -m eval compare examples.careful_agent:Careful hold_still --patients 16 -
 
 import numpy as np
 
-from jawenv.envs.observation import observation_layout, parameters_of
+from jawenv.envs.observation import OBSERVATION_LAYOUT
 
 OPENINGS = 4  # in an episode
 
@@ -21,8 +21,7 @@ class Careful:
 
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         """Action (N, 4) for observations (N, size): opening, side, fore-aft force and roll."""
-        layout = observation_layout(parameters_of(observation.shape[-1]))
-        gone = 1.0 - observation[..., layout["time_left"]]
+        gone = 1.0 - observation[..., OBSERVATION_LAYOUT["time_left"]]
         action = np.zeros((*observation.shape[:-1], 4), np.float32)
         action[..., :1] = -0.5 * (1.0 + np.cos(2.0 * np.pi * OPENINGS * gone))  # -1 is the rest pose, 0 half the range
         return action, state

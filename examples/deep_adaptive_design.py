@@ -19,7 +19,7 @@ from scipy.optimize import least_squares
 from torch import nn
 
 import jawenv
-from jawenv.envs.observation import observation_layout
+from jawenv.envs.observation import Parts
 
 DECISIONS, RATE, CONTRASTS, PATIENTS = 15, 0.18, 1023, 64  # RATE: of the opening target, each 0.2 s
 SIZES, WIDTH, EXPLORES = np.array([0.25, 24.0]), 32, 0.3  # rad and N of an observation's 1
@@ -140,7 +140,7 @@ class DeepAdaptiveDesign:
 
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         """Take the readings in, and choose the opening."""
-        layout, rows = observation_layout(2), np.atleast_2d(observation).astype(float)
+        layout, rows = Parts(2).layout, np.atleast_2d(observation).astype(float)
         read = np.stack([rows[:, layout["pose"].start + 2], rows[:, layout["force"].start + 2]], 1) * SIZES
         with torch.no_grad():
             if self.t:

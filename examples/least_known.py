@@ -5,7 +5,7 @@ python -m eval compare examples.least_known:LeastKnown refined --patients 16 --o
 
 import numpy as np
 
-from jawenv.envs.observation import observation_layout, parameters_of
+from jawenv.envs.observation import OBSERVATION_LAYOUT
 
 HOLD = 4  # control periods until it chooses again
 WIDE, NARROW = 0.7, -0.4  # opening that tells b, and one that tells F_o
@@ -32,8 +32,7 @@ class LeastKnown:
 
     def target(self, rows):
         """(N, 4) for the parameter with the largest sd: log F_o and log b of each muscle, the left side first."""
-        layout = observation_layout(parameters_of(rows.shape[-1]))
-        sds = rows[:, layout["belief_sd"]]
+        sds = rows[:, OBSERVATION_LAYOUT["belief_sd"]]
         worst, muscles = sds.argmax(axis=1), sds.shape[1] // 2
         muscle, is_b = worst // 2, worst % 2 == 1
         left = muscle < muscles // 2

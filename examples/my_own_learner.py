@@ -15,7 +15,7 @@ import numpy as np
 
 import jawenv  # registers the environments
 from jawenv.base.seeds import TRAINING
-from jawenv.envs.observation import observation_layout, parameters_of
+from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.playing.maneuvers.maneuver import action_of
 
 MANEUVER, COHORT, HZ = "refined_one_sided", "one_sided", 5
@@ -50,7 +50,7 @@ class Law:
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         """Action (N, 4) for observations (N, size): opening, side, fore-aft force and roll."""
         rows = np.atleast_2d(observation)
-        gone = 1.0 - rows[:, observation_layout(parameters_of(rows.shape[-1]))["time_left"]]
+        gone = 1.0 - rows[:, OBSERVATION_LAYOUT["time_left"]]
         step = np.clip(np.rint(gone[:, 0] * self.steps).astype(int), 0, self.steps - 1)
         correction = np.tanh((features(rows)[:, None, :] @ self.weights)[:, 0])
         action = action_of(self.targets[step] + SCALE * correction).astype(np.float32)
@@ -59,8 +59,7 @@ class Law:
 
 def features(rows):
     """(N, F) of observations (N, size): one, the phase of the episode, and by how much the left side is stiffer."""
-    layout = observation_layout(parameters_of(rows.shape[-1]))
-    mean, left = rows[:, layout["belief_mean"]], layout["time_left"]
+    mean, left = rows[:, OBSERVATION_LAYOUT["belief_mean"]], OBSERVATION_LAYOUT["time_left"]
     half = mean.shape[1] // 2
     sides = mean[:, :half] - mean[:, half:]
     phase = 2.0 * np.pi * rows[:, left]

@@ -9,7 +9,7 @@ import gymnasium as gym
 import numpy as np
 
 import jawenv
-from jawenv.envs.observation import observation_layout, parameters_of
+from jawenv.envs.observation import OBSERVATION_LAYOUT
 
 
 class Sway:
@@ -19,8 +19,7 @@ class Sway:
 
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         """Action (N, 4) for observations (N, size), as stable-baselines3's policies give it."""
-        layout = observation_layout(parameters_of(observation.shape[-1]))
-        gone = 1.0 - observation[..., layout["time_left"]]
+        gone = 1.0 - observation[..., OBSERVATION_LAYOUT["time_left"]]
         push = 0.2 * np.sin(2.0 * np.pi * 6.0 * gone)
         opening = 0.15 * np.sin(np.pi * gone)
         return np.concatenate([opening, opening, push, -push], axis=-1).astype(np.float32), state

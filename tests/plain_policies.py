@@ -8,12 +8,12 @@ from safetensors.numpy import save
 
 from jawenv.base.files import validate, write_json
 from jawenv.envs.configuration import configure
-from jawenv.envs.observation import observation_size
+from jawenv.envs.observation import Parts
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.card import CARD, WEIGHTS, Environment, ModelCard
 from jawenv.playing.policies.residual import N_FEATURES
 
-LAYERS = (observation_size(), 5, 4)
+LAYERS = (Parts().size, 5, 4)
 
 
 def random_weights(layers: tuple[int, ...] = LAYERS) -> dict[str, np.ndarray]:
@@ -39,7 +39,7 @@ def fields(content: bytes = b"", **changed: object) -> dict:
     return {
         "format_version": 1,
         "environment": environment,
-        "observation_size": observation_size(),
+        "observation_size": Parts().size,
         "action_size": 4,
         "architecture": {"layers": LAYERS, "activation": "tanh", "squash": "clip"},
         "algorithm": "ppo",
@@ -67,7 +67,7 @@ def write_corrector(
     folder: Path, maneuver: str | Maneuver, scale: float = 0.3, gain: float = 1.0, **world: object
 ) -> Path:
     """Write a policy that corrects a maneuver, in targets control; with a gain of 0 it plays the maneuver."""
-    layers = (observation_size() + N_FEATURES, *LAYERS[1:])
+    layers = (Parts().size + N_FEATURES, *LAYERS[1:])
     base = Maneuver.named(maneuver) if isinstance(maneuver, str) else maneuver
     where = Environment.of(configure({"control": "targets", **world}))
     return write_policy(

@@ -29,7 +29,7 @@ ResidualOn = Annotated[
 ]
 Reward = Annotated[
     str | None,
-    typer.Option(metavar="NAME", help="What is paid for: mixed, worst, uncertainty, score or bound."),
+    typer.Option(metavar="NAME", help="What is paid for, a name of docs/environment.md#reward."),
 ]
 TargetDiscomfort = Annotated[
     float | None,

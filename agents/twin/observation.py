@@ -8,17 +8,28 @@ import torch
 from torch import Tensor
 
 from agents.twin.worlds import Worlds
-from jawenv.envs.observation import FORCE_SCALE, MOMENT_SCALE, OBSERVATION_BOUND, POSE_SCALE, RANGE_SCALE, RATE_SCALE
+from jawenv.base.errors import InputError
+from jawenv.envs.observation import (
+    FORCE_SCALE,
+    MOMENT_SCALE,
+    OBSERVATION_BOUND,
+    POSE_SCALE,
+    RANGE_SCALE,
+    RATE_SCALE,
+    Parts,
+)
 
 
-def observation(worlds: Worlds, time_left: float, asked: bool = False, correlations: bool = False) -> Tensor:
-    """Rows (P, size) in the order of ``jawenv.envs.observation.observation_layout``.
+def observation(worlds: Worlds, time_left: float, parts: Parts) -> Tensor:
+    """Rows (P, size) of the environment's parts, in their order.
 
     Args:
         worlds: of the twin.
         time_left: share of the episode.
-        asked: whether muscles are asked for.
-        correlations: whether those of the belief end it.
+        parts: of the environment's observation.
+
+    Raises:
+        InputError: a part that the twin does not have.
     """
     twin, p, q = worlds.twin, worlds.patients, worlds.pose.q
     sd = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].sqrt()
@@ -30,25 +41,22 @@ def observation(worlds: Worlds, time_left: float, asked: bool = False, correlati
     moment = torch.linalg.cross(worlds.motor_arms - worlds.arm[:, None, :], push).sum(1)
     body = worlds.pose.turned.mT
     felt = [(body @ vector[..., None])[..., 0] for vector in (force, moment)]
-    parts = (
-        (worlds.belief.mean - twin.prior_mean) / twin.prior_sd,
-        (sd / twin.prior_sd).log() / math.log(10.0),
-        q / q.new_tensor(POSE_SCALE),
-        torch.cat([speeds[:, :2], omega], -1) / q.new_tensor(RATE_SCALE),
-        torch.stack(worlds.felt(), -1) / used,
-        used / q.new_tensor(RANGE_SCALE),
-        felt[0] / FORCE_SCALE,
-        felt[1] / MOMENT_SCALE,
-        worlds.thrust / (twin.reach * twin.servo),
-        worlds.size * worlds.kept * worlds.target,
-        worlds.margin,
-        q.new_full((len(q), 1), time_left),
-    )
-    end: tuple[Tensor, ...] = (worlds.asked, worlds.discomfort[:, None]) if asked else ()
-    if twin.budget > 0.0 and not asked:
-        end = (worlds.discomfort[:, None] / twin.budget,)
-    if correlations:
-        rows, columns = torch.triu_indices(12, 12, 1, device=q.device)
-        covariance = worlds.belief.covariance
-        end = (*end, covariance[:, rows, columns] / (sd[:, rows] * sd[:, columns]))
-    return torch.cat([*parts, *end], -1).clamp(-OBSERVATION_BOUND, OBSERVATION_BOUND)
+    values = {
+        "belief_mean": (worlds.belief.mean - twin.prior_mean) / twin.prior_sd,
+        "belief_sd": (sd / twin.prior_sd).log() / math.log(10.0),
+        "pose": q / q.new_tensor(POSE_SCALE),
+        "rates": torch.cat([speeds[:, :2], omega], -1) / q.new_tensor(RATE_SCALE),
+        "jaw": torch.stack(worlds.felt(), -1) / used,
+        "jaw_range": used / q.new_tensor(RANGE_SCALE),
+        "force": torch.cat([felt[0] / FORCE_SCALE, felt[1] / MOMENT_SCALE], -1),
+        "motor_thrust": worlds.thrust / (twin.reach * twin.servo),
+        "motor_target": worlds.size * worlds.kept * worlds.target,
+        "comfort_margin": worlds.margin,
+        "time_left": q.new_full((len(q), 1), time_left),
+        "asked": worlds.asked,
+        "discomfort": worlds.discomfort[:, None],
+        "spent": worlds.discomfort[:, None] / (twin.budget or math.inf),
+    }
+    for name in parts.layout.keys() - values.keys():
+        raise InputError(f"the observation has a part {name!r}; allowed in the twin: {', '.join(values)}")
+    return torch.cat([values[name] for name in parts.layout], -1).clamp(-OBSERVATION_BOUND, OBSERVATION_BOUND)

@@ -16,7 +16,7 @@ import gymnasium as gym
 import jawenv  # noqa: F401  registers the environments
 from jawenv.envs.argument_checks import action_space, observation_space
 from jawenv.envs.jaw import JawEnv
-from jawenv.envs.observation import observation_layout, observation_size
+from jawenv.envs.observation import Parts
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import KNOWN_WITHIN_SDS, MODELS, Model
 
@@ -89,14 +89,14 @@ def _docstring() -> dict[str, str]:
 def _of_model(text: str, model: Model) -> str:
     """The docstring is of the reference environment; numbers that depend on the model are put in."""
     numbers = {name: len(MODELS[name].muscles.parameter_names) for name in ("jaw", model.name)}
-    sizes = {name: observation_size(number) for name, number in numbers.items()}
+    sizes = {name: Parts(number).size for name, number in numbers.items()}
     text = text.replace(f"({sizes['jaw']},)", f"({sizes[model.name]},)")
     return text.replace(f"all {numbers['jaw']} F_o", f"all {numbers[model.name]} F_o")
 
 
 def _facts(env_id: str, spec: Any, model: Model) -> str:
     names = model.muscles.parameter_names
-    space = observation_space(observation_size(len(names)))
+    space = observation_space(Parts(len(names)).size)
     rows = {
         "Import": f'`import jawenv`, then `gymnasium.make("{env_id}")`',
         "Vector form": f'`gymnasium.make_vec("{env_id}", num_envs=256)`, native',
@@ -116,7 +116,7 @@ def _observation(model: Model) -> str:
     """Where each part lies in this environment."""
     content = {_name(row[1]): row[2] for row in _table("Observation")}
     lines = ["| indices | name | content and scale |", "|---|---|---|"]
-    for name, place in observation_layout(len(model.muscles.parameter_names)).items():
+    for name, place in Parts(len(model.muscles.parameter_names)).layout.items():
         last = place.stop - 1
         indices = f"{place.start}–{last}" if last > place.start else f"{last}"
         lines.append(f"| {indices} | `{name}` | {content[name]} |")

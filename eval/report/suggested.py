@@ -20,6 +20,7 @@ from eval.kept.tables import made_with
 from eval.report import drawing, template
 from jawenv.envs.shown_world import build_scene
 from jawenv.ladder import DEFAULT_ENV
+from jawenv.playing.agents import introduce
 from jawenv.playing.maneuvers import Player
 from jawenv.rendering.film import JawRenderer
 
@@ -80,6 +81,7 @@ def _pictures(env: Any, found: Any) -> Iterator[Any]:
     renderer, player = JawRenderer(), Player(found.maneuver, control="trajectory")
     observation, _ = env.reset(seed=found.seed, options={"patient": found.patient})
     player.reset(1)
+    introduce(player, env)
     prior = np.diag(env.prior.sd**-2)
     known = np.linalg.inv(found.found.estimate.cov[-1]) - prior
     ended, step = False, 0

@@ -10,7 +10,7 @@ import numpy as np
 from jawenv.base.errors import not_among
 from jawenv.envs.configuration import Configuration
 from jawenv.metrics import score
-from jawenv.playing.agents import Agent
+from jawenv.playing.agents import Agent, introduce
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import policy_folder, read_card
 from jawenv.playing.policies.named import agent_names, named_agent
@@ -82,6 +82,7 @@ def play(maneuver: str, seed: int, world: Configuration) -> None:
     env = gym.make(world.env_id, render_mode="human", **world.arguments)
     try:
         observation, info = env.reset(seed=seed)
+        introduce(player, env)
         ended = False
         while not ended:
             action, _ = player.predict(observation)

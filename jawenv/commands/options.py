@@ -94,7 +94,7 @@ def _options(without: tuple[str, ...], defaults: Mapping[str, str]) -> list[insp
 def _option(argument: Field[Any], default: Any) -> Any:
     """The option of an argument: its name, its help and its kind of value."""
     metadata, name = argument.metadata, f"--{argument.name.replace('_', '-')}"
-    kind = {"fields": list[str], "number": float, "flag": bool}.get(metadata["option"], str)
+    kind = {"fields": list[str], "number": float}.get(metadata["option"], str)
     said = "" if default is None else f" [default: {default}]"
     return Annotated[kind | None, typer.Option(name, help=metadata["help"] + said, metavar=metadata["metavar"] or None)]
 

@@ -19,7 +19,7 @@ LARGEST = 1e6  # of the numeric arguments
 
 
 def observation_space(size: int) -> Any:
-    """The flat observation of one world; ``observation_layout`` says what lies where."""
+    """The flat observation of one world; ``Parts`` say what lies where."""
     return spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (size,), np.float32)
 
 

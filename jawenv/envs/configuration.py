@@ -27,7 +27,9 @@ from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import TICK, Device, device_of
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.argument_checks import check_choice, checked_flag, checked_number, checked_rate
+from jawenv.envs.observation import Parts
 from jawenv.envs.registration import IMAGED
+from jawenv.envs.rewards import POTENTIALS
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, model_named, model_of_env
 from jawenv.reality import Reality, check_reality
 
@@ -37,7 +39,6 @@ if TYPE_CHECKING:
     from jawenv.mechanics.plant import Plant
 
 Sensors = Literal["pose", "point"]
-Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
 Info = Literal["full", "light"]
 
 NO_ESTIMATOR = "none"  # the argument ``estimator`` of who does not read the belief
@@ -50,7 +51,7 @@ def _argument(default: Any, help: str, metavar: str = "", option: str = "") -> A
         default: its default.
         help: a sentence for tables and command lines.
         metavar: what stands for its value there.
-        option: how command lines take it: "value", "number", "flag", "fields" (FIELD=VALUE, repeated, or a file); not
+        option: how command lines take it: "value", "number", "fields" (FIELD=VALUE, repeated, or a file); not
             at all where empty.
     """
     return field(default=default, metadata={"help": help, "metavar": metavar, "option": option})
@@ -69,7 +70,7 @@ class Configuration:
         DEFAULT_CONTROL, "What an action commands: targets, force or trajectory.", "NAME", "value"
     )
     sensors: Sensors = _argument("pose", "What the encoders measure: pose, or one point.", "NAME", "value")
-    reward: Reward = _argument("uncertainty", "What is paid for: uncertainty, bound, score, worst or mixed.")
+    reward: str = _argument("uncertainty", f"What is paid for: {', '.join(POTENTIALS)}.")
     cohort: str | Cohort | Source = _argument(
         "trismus",
         "Population the patients are drawn from: a name of `jawenv list cohorts`, or a file.",
@@ -85,7 +86,6 @@ class Configuration:
     comfort_budget_s: float | None = _argument(
         None, "Discomfort of an episode, s, that the device keeps in targets control; none by default.", "S", "number"
     )
-    observe_correlations: bool = _argument(False, "Whether the belief's correlations are observed.", option="flag")
     track_bound: bool = _argument(False, "Whether `info` has the bound as well.")
     info: Info = _argument("full", "Which keys `info` has: full for all, light for those of belief, cost and time.")
     record: bool = _argument(False, "Whether what the device measures is kept.")
@@ -127,9 +127,10 @@ class Configuration:
 
     def __post_init__(self) -> None:
         """Check every field."""
-        kinds = {"control": Control, "sensors": Sensors, "reward": Reward, "info": Info, "force_sensor": ForceSensor}
-        for name, kind in kinds.items():
-            check_choice(name, getattr(self, name), get_args(kind))
+        kinds = {"control": Control, "sensors": Sensors, "info": Info, "force_sensor": ForceSensor}
+        choices = {name: get_args(kind) for name, kind in kinds.items()} | {"reward": tuple(POTENTIALS)}
+        for name, allowed in choices.items():
+            check_choice(name, getattr(self, name), allowed)
         self._set("episode_s", checked_number("episode_s", self.episode_s))
         given = self.control_hz
         self._set("control_hz", checked_rate(self.mode.steps_per_s if given is None else given, self.mode))
@@ -139,7 +140,7 @@ class Configuration:
         self._check_estimator()
         if self.steps < 1:
             raise InputError(f"episode_s is {self.episode_s:g}; allowed: at least one control period")
-        for name in ("observe_correlations", "track_bound", "record"):
+        for name in ("track_bound", "record"):
             self._set(name, checked_flag(name, getattr(self, name)))
         self._set("comfort", comfort_of(self.comfort))
         if self.anatomy is not None:
@@ -147,8 +148,6 @@ class Configuration:
 
             self._set("anatomy", anatomy_of(self.anatomy))
         self._set("cohort", cohort(self.cohort, self.muscles))
-        if self.observe_correlations and len(self.muscles) < 2:
-            raise InputError("observe_correlations is True; allowed where one muscle has two parameters: False")
         if self.asked is not None:
             from jawenv.envs.asked import checked_asked
 
@@ -248,9 +247,9 @@ class Configuration:
         return CONTROLS[self.control]
 
     @property
-    def ends(self) -> tuple[bool, bool, bool]:
-        """Optional parts of the observation, as ``observation_layout`` takes them."""
-        return self.asked is not None, self.comfort_budget_s is not None, self.observe_correlations
+    def parts(self) -> Parts:
+        """What the observation consists of."""
+        return Parts(len(self.muscles.parameter_names), self.asked is not None, self.comfort_budget_s is not None)
 
     @property
     def filter_model(self) -> Estimator:

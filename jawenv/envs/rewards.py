@@ -5,6 +5,8 @@ No information is paid for twice: what a re-inflating covariance takes from the 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, Protocol
 
 import numpy as np
@@ -25,41 +27,55 @@ class _Worlds(Protocol):
         """(N, M) the muscles that are asked for."""
 
 
-def potential(reward: str, simulation: _Worlds) -> NDArray[np.float64]:
-    """The potential (N,) of a reward, which pays its increments, in nats; 0 where the belief makes it infinite or NaN.
-
-    ``"uncertainty"``: half the fall of the log-determinant that the filter claims. ``"bound"``: the same for the
-    posterior Cramer-Rao bound at the truth. ``"score"``: log posterior less log prior density at the truth.
-    ``"worst"``: minus the number of parameters times the logarithm of the mean 6-norm of the sds, which is nearly the
-    largest sd's; it grows as ``"uncertainty"`` does where all sds, uncorrelated, fall alike. Parameters are those of
-    the muscles that are asked for. ``"mixed"``: the mean of ``"uncertainty"`` and ``"worst"``.
-    """
-    nats: Any
-    worlds = simulation.worlds
-    if reward == "bound":
-        nats = 0.5 * (worlds["known"]["log_det_prior"] - worlds["truth"]["log_det_bound"])
-    elif reward == "score":
-        nats = worlds["truth"]["log_score"] - worlds["truth"]["log_score_prior"]
-    elif reward == "uncertainty":
-        nats = claimed_information(worlds)
-    elif reward == "worst":
-        nats = _worst_sd_potential(simulation)
-    else:
-        nats = 0.5 * (claimed_information(worlds) + _worst_sd_potential(simulation))
-    finite: NDArray[np.float64] = np.where(np.isfinite(nats), nats, 0.0)
-    return finite
-
-
 def claimed_information(worlds: NDArray[np.void]) -> Any:
     """Half the fall of the log-determinant (N,) since the prior, nats."""
     return 0.5 * (worlds["known"]["log_det_prior"] - worlds["known"]["log_det"])
 
 
+def _bound_information(simulation: _Worlds) -> Any:
+    worlds = simulation.worlds
+    return 0.5 * (worlds["known"]["log_det_prior"] - worlds["truth"]["log_det_bound"])
+
+
+def _score(simulation: _Worlds) -> Any:
+    truth = simulation.worlds["truth"]
+    return truth["log_score"] - truth["log_score_prior"]
+
+
 def _worst_sd_potential(simulation: _Worlds) -> Any:
-    """The potential (N,) of ``"worst"``, nats."""
     variances = np.diagonal(simulation.worlds["known"]["belief"]["cov"], axis1=-2, axis2=-1)
     asked = np.repeat(simulation.asked, 2, axis=-1)
     number = asked.sum(axis=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
         norm = np.log(np.sum(asked * variances ** (0.5 * NORM), axis=-1) / number) / NORM
     return -number * norm
+
+
+def _mixed(simulation: _Worlds) -> Any:
+    return 0.5 * (claimed_information(simulation.worlds) + _worst_sd_potential(simulation))
+
+
+POTENTIALS: Mapping[str, Callable[[_Worlds], Any]] = MappingProxyType(
+    {
+        "uncertainty": lambda simulation: claimed_information(simulation.worlds),
+        "bound": _bound_information,
+        "score": _score,
+        "worst": _worst_sd_potential,
+        "mixed": _mixed,
+    }
+)
+"""The potential (N,) of each reward, nats. The argument ``reward`` takes their names.
+
+``"uncertainty"``: half the fall of the log-determinant that the filter claims. ``"bound"``: the same for the posterior
+Cramer-Rao bound at the truth. ``"score"``: log posterior less log prior density at the truth. ``"worst"``: minus the
+number of parameters times the logarithm of the mean 6-norm of the sds, which is nearly the largest sd's; it grows as
+``"uncertainty"`` does where all sds, uncorrelated, fall alike. Parameters are those of the muscles that are asked for.
+``"mixed"``: the mean of ``"uncertainty"`` and ``"worst"``.
+"""
+
+
+def potential(reward: str, simulation: _Worlds) -> NDArray[np.float64]:
+    """The potential (N,) of a reward, which pays its increments, nats; 0 where the belief makes it infinite or NaN."""
+    nats = POTENTIALS[reward](simulation)
+    finite: NDArray[np.float64] = np.where(np.isfinite(nats), nats, 0.0)
+    return finite

@@ -20,7 +20,6 @@ from jawenv.device.force_sensor import (
 )
 from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
 from jawenv.envs.info import WorldReader
-from jawenv.envs.observation import observation_size
 from jawenv.envs.world.kept_ticks import true_tick_dtype
 from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
@@ -87,8 +86,7 @@ class Simulation:
         """(N, ticks) what was read, as far as it is kept."""
         self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
         """(N, ticks) what was true then, as far as it is kept."""
-        size = observation_size(2 * len(muscles), *configuration.ends)
-        self.observation = np.zeros((num_worlds, size), dtype=np.float32)
+        self.observation = np.zeros((num_worlds, configuration.parts.size), dtype=np.float32)
         """(N, size) as of the last reset or step."""
         self.asked = np.ones((num_worlds, len(muscles)), dtype=np.bool_)
         """(N, M) the muscles that the present episodes ask for; all by default."""
@@ -347,7 +345,7 @@ class Simulation:
         return np.minimum(cost, np.maximum(self.cost_so_far - limit, 0.0))
 
     def _show_end(self, chosen: NDArray[np.bool_]) -> None:
-        if any(self.configuration.ends):
+        if self.configuration.asked is not None or self.configuration.comfort_budget_s is not None:
             from jawenv.envs.observation.ends import show_ends
 
             show_ends(self, chosen)

@@ -76,6 +76,7 @@ class DriveSession:
         self.steering.driver = driver
         if isinstance(driver, Deciding):
             driver.begin()
+        introduce(self.steering, self._env)
         self._observation, info = self._env.reset(seed=self.setup.seed)
         self._times: list[float] = []
         self._targets: list[Array] = []

@@ -109,15 +109,15 @@ class Planning(Protocol):
 
 
 def introduce(agent: Any, env: Any) -> None:
-    """Tell an agent of worlds after their ``reset`` what it asks for: the prior, or all that a planner needs.
+    """Tell an agent of worlds what it asks for: their configuration, or after their ``reset`` all that a planner needs.
 
     Args:
-        agent: with a method ``take_prior(prior)``, with that of ``Planning``, or with neither.
+        agent: with a method ``take_world(configuration)``, with that of ``Planning``, or with neither.
         env: an environment of jawenv, of one form or the other.
     """
     configuration = getattr(env.unwrapped, "configuration", None)
-    if hasattr(agent, "take_prior") and configuration is not None:
-        agent.take_prior(configuration.build_cohort().prior)
+    if hasattr(agent, "take_world") and configuration is not None:
+        agent.take_world(configuration)
     if hasattr(agent, "attach"):
         agent.attach(env)
 

@@ -23,7 +23,7 @@ import agents
 import jawenv
 from agents.policies import load_policy
 from jawenv.base.errors import InputError
-from jawenv.envs.observation import observation_size
+from jawenv.envs.observation import Parts
 from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.policies.controller import ControlledAgent
@@ -38,7 +38,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def observations(worlds: int = 6) -> np.ndarray:
-    return np.random.default_rng(0).normal(size=(worlds, observation_size())).astype(np.float32)
+    return np.random.default_rng(0).normal(size=(worlds, Parts().size)).astype(np.float32)
 
 
 def refused(path: Path, **kwargs: Any) -> str:
@@ -72,7 +72,7 @@ def test_neither_torch_nor_pickle_is_needed(folder: Path) -> None:
         "import agents, numpy, pickle, sys\n"
         "del pickle.loads, pickle.load, pickle.Unpickler\n"
         f"agent = agents.load_agent({str(folder)!r}, control='trajectory')\n"
-        f"assert agent.predict(numpy.zeros({observation_size()}, dtype='f4'))[0].shape == (4,)\n"
+        f"assert agent.predict(numpy.zeros({Parts().size}, dtype='f4'))[0].shape == (4,)\n"
         "assert not {'torch', 'stable_baselines3', 'matplotlib'} & set(sys.modules)\n"
     )
     done = subprocess.run(
@@ -139,7 +139,7 @@ def test_a_policy_on_a_maneuver_corrects_it_in_every_control(tmp_path: Path) -> 
 class Blank(gym.Env):
     """Has the spaces that a policy is built for; nobody steps it."""
 
-    def __init__(self, actions: int = 4, seen: int = observation_size()) -> None:
+    def __init__(self, actions: int = 4, seen: int = Parts().size) -> None:
         self.observation_space = spaces.Box(-np.inf, np.inf, (seen,), np.float32)
         self.action_space = spaces.Box(-1.0, 1.0, (actions,), np.float32)
 
@@ -177,7 +177,7 @@ def test_a_trusted_checkpoint_acts_as_the_model(algorithm: type[BaseAlgorithm], 
 
 def test_a_checkpoint_in_a_runs_folder_corrects_the_runs_maneuver(tmp_path: Path) -> None:
     run = write_corrector(tmp_path / "run", "slow_opening")
-    saved(run / "checkpoints" / "step_1.zip", env=Blank(seen=observation_size() + N_FEATURES))
+    saved(run / "checkpoints" / "step_1.zip", env=Blank(seen=Parts().size + N_FEATURES))
     agent = agents.load_agent(run / "checkpoints" / "step_1.zip", trust=True)
     assert isinstance(agent, ResidualPolicy) and agent.base.maneuver.name == "slow_opening"
     assert agents.registry.world_of(run / "checkpoints" / "step_1.zip") == agents.registry.world_of(run)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from examples.least_known import HOLD, LeastKnown
-from jawenv.envs.observation import OBSERVATION_LAYOUT, observation_size
+from jawenv.envs.observation import OBSERVATION_LAYOUT, Parts
 
 
 def seen(parameter: int) -> np.ndarray:
     """An observation (1, size) in which this parameter's sd is the largest."""
-    row = np.zeros((1, observation_size()), np.float32)
+    row = np.zeros((1, Parts().size), np.float32)
     row[:, OBSERVATION_LAYOUT["belief_sd"]] = -1.0
     row[0, OBSERVATION_LAYOUT["belief_sd"].start + parameter] = 0.0
     return row

@@ -119,7 +119,7 @@ def checkpoint(folder: Path) -> None:
     PPO("MlpPolicy", _Blank(), seed=1, device="cpu", policy_kwargs=kwargs).save(folder / "step_1.zip")
 
 
-def actions_of(agent: Any, size: int = jawenv.envs.observation.observation_size()) -> bytes:
+def actions_of(agent: Any, size: int = jawenv.envs.observation.Parts().size) -> bytes:
     """What an agent does at three observations."""
     seen = np.random.default_rng(0).uniform(-1, 1, (3, size)).astype(np.float32)
     agent.reset(3, seed=0)

@@ -13,7 +13,7 @@ from jawenv.base.errors import InputError
 from jawenv.device.channels import CHANNELS
 from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS
 from jawenv.device.guard import DRIVERS, RELEASE, TRACKER, keep_budget
-from jawenv.envs.observation import observation_layout
+from jawenv.envs.observation import Parts
 from jawenv.playing.excitation import EXCITATIONS
 from jawenv.playing.maneuvers import Player
 
@@ -91,7 +91,7 @@ def test_a_budget_is_kept_for_most_patients(agent, cohort):
 
 def test_info_and_observation_have_what_is_spent_and_it_is_about_true():
     env = gym.make_vec(ID, 8, cohort="healthy", comfort_budget_s=BUDGET_S, episode_s=6.0, autoreset_mode="disabled")
-    layout, player = observation_layout(budget=True), Player("refined")
+    layout, player = Parts(budget=True).layout, Player("refined")
     observation, info = env.reset(seed=5400)
     assert observation.shape == (8, 64) and (info["spent"] == 0.0).all()
     true = np.zeros(8)

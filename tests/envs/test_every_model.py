@@ -8,7 +8,7 @@ from recorded import recording
 
 import jawenv
 from jawenv.controls import CONTROLS
-from jawenv.envs.observation import observation_layout
+from jawenv.envs.observation import Parts
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import MODELS
 from jawenv.metrics import nees_band
@@ -60,7 +60,7 @@ def test_names_and_sizes_follow_the_muscles(env_id):
         assert env.unwrapped.parameter_names == muscles.parameter_names
     assert info["belief_cov"].shape == (2, parameters, parameters)
     assert info["truth"].shape == (2, parameters)
-    assert seen.shape[2] == max(place.stop for place in observation_layout(parameters).values())
+    assert seen.shape[2] == max(place.stop for place in Parts(parameters).layout.values())
     assert (info["information_claimed"] > 1.0).all(), "a second and a half of motion teaches something"
 
 

@@ -47,7 +47,6 @@ NOT_DEFAULT = {
     "comfort_weight": 2.0,
     "comfort_limit_s": 0.03,
     "comfort_budget_s": 0.03,
-    "observe_correlations": True,
     "track_bound": True,
     "info": "light",
     "record": True,

@@ -7,6 +7,7 @@ import pytest
 import jawenv
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.envs.rewards import potential
 from jawenv.envs.world.observation import observe_world
 from jawenv.metrics.calibration import claimed_information, true_information
 
@@ -51,6 +52,11 @@ def test_the_reward_for_the_worst_sd_follows_the_sixth_norm(reward):
         expected = 0.5 * (expected + gained)
     assert rewards.sum() == pytest.approx(expected, abs=1e-9)
     assert expected > 1.0
+
+
+def test_a_reward_without_a_potential_is_none_of_the_others():
+    with pytest.raises(KeyError, match="mean"):
+        potential("mean", gym.make_vec(ID, 1).unwrapped.simulation)
 
 
 def test_information_is_that_of_the_belief_in_info():

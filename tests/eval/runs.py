@@ -10,7 +10,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from jawenv.envs.observation import observation_size
+from jawenv.envs.observation import Parts
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.residual import N_FEATURES
 from tests.plain_policies import write_corrector
@@ -19,7 +19,7 @@ from tests.plain_policies import write_corrector
 class Blank(gym.Env):
     """Has the spaces of a policy that corrects a maneuver; nobody steps it."""
 
-    observation_space = gym.spaces.Box(-np.inf, np.inf, (observation_size() + N_FEATURES,), np.float32)
+    observation_space = gym.spaces.Box(-np.inf, np.inf, (Parts().size + N_FEATURES,), np.float32)
     action_space = gym.spaces.Box(-1.0, 1.0, (4,), np.float32)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from jawenv.base.errors import InputError
 from jawenv.device.device import Device
-from jawenv.envs.observation import FORCE_SCALE, OBSERVATION_LAYOUT, observation_size
+from jawenv.envs.observation import FORCE_SCALE, OBSERVATION_LAYOUT, Parts
 from jawenv.playing.agents import Agent, Memory
 from jawenv.playing.maneuvers.maneuver import Maneuver, Player
 
@@ -49,7 +49,7 @@ class SpringJaw:
         self.side += follow * (0.03 * THRUST_N * yaw / (0.012 * self.stiffness) - self.side)
 
     def observe(self) -> np.ndarray:
-        seen = np.zeros((len(self.opening), observation_size()), dtype=np.float32)
+        seen = np.zeros((len(self.opening), Parts().size), dtype=np.float32)
         part = {name: seen[:, place] for name, place in OBSERVATION_LAYOUT.items()}
         pitch = self.opening / 91.0
         part["pose"][:, 2] = pitch / 0.25

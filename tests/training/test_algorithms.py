@@ -17,7 +17,7 @@ from agents.evaluations import read_evaluations
 from jawenv.base.errors import InputError
 from jawenv.base.files import validate
 from jawenv.base.progress import Progress
-from jawenv.envs.observation import observation_size
+from jawenv.envs.observation import Parts
 from jawenv.playing.policies.card import ModelCard
 from jawenv.playing.policies.plain import PlainPolicy, RecurrentPlainPolicy
 from jawenv.sb3 import NativeVecEnv
@@ -86,7 +86,7 @@ def test_a_run_is_trained_evaluated_and_resumed(config: Path, tmp_path: Path) ->
 class Blank(gym.Env):
     """Has the spaces of the jaw; nobody steps it."""
 
-    observation_space = spaces.Box(-np.inf, np.inf, (observation_size(),), np.float32)
+    observation_space = spaces.Box(-np.inf, np.inf, (Parts().size,), np.float32)
     action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)
 
 
@@ -100,13 +100,13 @@ def test_plain_weights_act_as_the_model(algorithm: str, activation: str, hidden:
     plain_weights = plain_policy(model, wanted)
     assert plain_weights is not None
     architecture, weights = plain_weights
-    assert architecture.layers == (observation_size(), *hidden, 4)
+    assert architecture.layers == (Parts().size, *hidden, 4)
     card = validate(ModelCard, fields(save(weights), architecture=architecture), "card")
     kind = PlainPolicy if architecture.lstm_units is None else RecurrentPlainPolicy
     plain, stream = kind("plain", card, weights), np.random.default_rng(0)
     state = memory = None
     for step in range(4):
-        seen = stream.normal(size=(20, observation_size())).astype(np.float32)
+        seen = stream.normal(size=(20, Parts().size)).astype(np.float32)
         starts = np.arange(20) % 4 == step
         action, memory = model.predict(seen, memory, starts, deterministic=True)
         answer, state = plain.predict(seen, state, starts)

@@ -12,7 +12,7 @@ from agents.evaluations import read_evaluations
 from eval.kept.entries import fits, load_entry
 from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration
-from jawenv.envs.observation import OBSERVATION_LAYOUT, observation_size
+from jawenv.envs.observation import OBSERVATION_LAYOUT, Parts
 from training.cli import main
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
@@ -44,7 +44,7 @@ def test_a_run_is_trained_resumed_and_played(config: Path, tmp_path: Path) -> No
     assert main(["train", str(config), "--output", str(run.path)]) == 0
     assert main(["train", "--resume", str(run.path), "--steps", "80"]) == 0
     assert [row["steps"] for row in read_evaluations(run.path)] == [0, 40, 80]
-    assert agents.load_agent(str(run.path)).predict(np.zeros(observation_size(), np.float32))[0].shape == (4,)
+    assert agents.load_agent(str(run.path)).predict(np.zeros(Parts().size, np.float32))[0].shape == (4,)
 
 
 def test_a_policy_that_is_told_what_is_asked(config: Path, tmp_path: Path) -> None:

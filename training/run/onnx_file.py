@@ -19,7 +19,6 @@ from jawenv.base.errors import InputError
 from jawenv.base.extras import needs
 from jawenv.base.files import atomic_write
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
-from jawenv.envs.observation import layouts, observation_layout
 from jawenv.playing.policies.card import ModelCard, policy_folder
 from jawenv.playing.policies.plain import PlainPolicy
 from jawenv.playing.policies.residual import STEPS_SEEN, BaseTargets, ResidualPolicy
@@ -94,7 +93,7 @@ def write_onnx(policy: Path, output: Path) -> None:
     value = _perceptron(graph, graph.node("Cast", value, to=_double()), agent.agent)
     corrected = graph.node("Add", ahead[0], graph.node("Mul", value, graph.constant(agent.base.scale)))
     _action(graph, graph.clipped(corrected, LOWEST, np.full(len(LOWEST), HIGHEST)))
-    model = _model(graph, agent.observation_size, _contract(agent, card))
+    model = _model(graph, agent.parts.size, _contract(agent, card))
     with atomic_write(output) as unfinished:
         unfinished.write_bytes(model.SerializeToString())
 
@@ -139,10 +138,9 @@ def _double() -> int:
 
 
 def _contract(agent: ResidualPolicy, card: ModelCard) -> dict[str, str]:
-    layout = observation_layout(*layouts()[agent.observation_size])
     return {
         "environment": json.dumps({"id": card.environment.id, **card.environment.kwargs()}),
-        "observation": json.dumps({name: [part.start, part.stop] for name, part in layout.items()}),
+        "observation": json.dumps({name: [part.start, part.stop] for name, part in agent.parts.layout.items()}),
         "step": STEP,
         "action": ACTION,
         "decision_hz": f"{agent.decision_hz:g}",

@@ -159,8 +159,7 @@ class APG(OnPolicyAlgorithm):
         for step in range(steps):
             now = np.array([step])
             features = torch.tensor(self._base.features(now), device=self.device).expand(len(patients), -1)
-            ends = configuration.asked is not None, configuration.observe_correlations
-            rows = observation(worlds, 1.0 - step / whole, *ends)
+            rows = observation(worlds, 1.0 - step / whole, configuration.parts)
             seen = torch.cat([rows.float(), features], -1)
             known: Any = self.policy.extract_features(seen)
             latent = self.policy.mlp_extractor.forward_actor(known)

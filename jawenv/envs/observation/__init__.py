@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from functools import cache
-from itertools import product
+from typing import NamedTuple
 
 from jawenv.base.errors import InputError
 from jawenv.device.comfort import N_LIMITS
 from jawenv.device.device import N_MOTORS
-from jawenv.ladder import MODELS
 
 OBSERVATION_BOUND = 10.0
 _BELIEF = ("belief_mean", "belief_sd")  # (mean - prior mean) / prior sd; log10(sd / prior sd); each per parameter
@@ -33,47 +31,43 @@ MOMENT_SCALE = FORCE_SCALE * 0.02
 TARGET_SCALE = 0.01
 
 
-def observation_layout(
-    n_parameters: int = 12, asked: bool = False, budget: bool = False, correlations: bool = False
-) -> dict[str, slice]:
-    """Slices of the parts of the flat observation, in a model with so many parameters: name -> slice.
+class Parts(NamedTuple):
+    """What the flat observation of an environment consists of; policies, cards and the twin compare this by name.
 
-    Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) follow;
-    elsewhere, where the device keeps a ``budget`` of discomfort, ``spent`` (share of it, as the device takes it to be).
-    Last are the belief's ``correlations``, where they are observed: row by row, above the diagonal.
+    Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) follow
+    the other parts; elsewhere, where the device keeps a ``budget`` of discomfort, ``spent`` (share of it, as the device
+    takes it to be).
     """
-    layout, start = {}, 0
-    end = {"asked": n_parameters // 2, "discomfort": 1} if asked else {"spent": 1} if budget else {}
-    pairs = {"correlations": n_parameters * (n_parameters - 1) // 2} if correlations else {}
-    for name, size in (dict.fromkeys(_BELIEF, n_parameters) | _REST_SIZES | end | pairs).items():
-        layout[name] = slice(start, start + size)
-        start += size
-    return layout
+
+    n_parameters: int = 12
+    asked: bool = False
+    budget: bool = False
+
+    @property
+    def layout(self) -> dict[str, slice]:
+        """Slices of the parts of the flat observation: name -> slice."""
+        layout, start = {}, 0
+        end = {"asked": self.n_parameters // 2, "discomfort": 1} if self.asked else {"spent": 1} if self.budget else {}
+        for name, size in (dict.fromkeys(_BELIEF, self.n_parameters) | _REST_SIZES | end).items():
+            layout[name] = slice(start, start + size)
+            start += size
+        return layout
+
+    @property
+    def size(self) -> int:
+        """Length of the flat observation."""
+        return sum(part.stop - part.start for part in self.layout.values())
+
+    def check(self, size: int, reader: object) -> None:
+        """Make sure that an observation of this length has these parts, as its ``reader`` takes them to be."""
+        if size != self.size:
+            parts = f"{self.size}, of {', '.join(self.layout)}"
+            told = "`take_world(env.unwrapped.configuration)` tells of an environment with other ones"
+            raise InputError(f"{reader}: an observation has {size} values; allowed: {parts}; {told}")
 
 
-def observation_size(n_parameters: int = 12, *ends: bool, **named: bool) -> int:
-    """Length of the flat observation."""
-    return sum(part.stop - part.start for part in observation_layout(n_parameters, *ends, **named).values())
-
-
-@cache
-def layouts() -> dict[int, tuple[int, bool, bool, bool]]:
-    """Arguments of ``observation_layout`` by the length of an observation: those of the models."""
-    numbers = {len(model.muscles.parameter_names) for model in MODELS.values()}
-    ends = (False, False), (True, False), (False, True)
-    kinds = [(number, *end, pairs) for number, end, pairs in product(numbers, ends, (False, True))]
-    return {observation_size(*kind): kind for kind in kinds if kind[0] > 2 or not kind[-1]}
-
-
-def parameters_of(size: int) -> int:
-    """Number of parameters that an observation of this length belongs to."""
-    if size not in layouts():
-        raise InputError(f"an observation has {size} values; allowed: {', '.join(map(str, sorted(layouts())))}")
-    return layouts()[size][0]
-
-
-OBSERVATION_LAYOUT = observation_layout()
+OBSERVATION_LAYOUT = Parts().layout
 """The layout of ``jawenv/Jaw-v3``, with its 12 parameters."""
 
-OBSERVATION_REST = observation_layout(0)
+OBSERVATION_REST = Parts(0).layout
 """The layout behind the belief, counted from the belief's end."""

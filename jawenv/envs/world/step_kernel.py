@@ -17,7 +17,7 @@ from jawenv.device.comfort import N_LIMITS, cost_of, used_fractions
 from jawenv.device.device import LAW_TICKS, TICK, DeviceRecord
 from jawenv.device.force_sensor import read_force
 from jawenv.device.motors import command_motors
-from jawenv.envs.observation import observation_size
+from jawenv.envs.observation import Parts
 from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.information import refresh_information
 from jawenv.envs.world.kept_ticks import keep_reading, keep_truth
@@ -77,7 +77,7 @@ def scratch_dtype(
         Scratch,
         filter=filter_scratch_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance),
         seeing=seeing_dtype(n_lines),
-        observation=observation_size(2 * n_muscles),
+        observation=Parts(2 * n_muscles).size,
         lines=n_lines,
         parameters=2 * n_muscles,
     )

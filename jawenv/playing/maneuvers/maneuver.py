@@ -17,7 +17,8 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.device.guard import TRACKER
-from jawenv.envs.observation import parameters_of
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.observation import Parts
 from jawenv.envs.world.tracking import follow_all
 from jawenv.playing.agents import Action, Array, Mask, Memory, Observation, Remembering
 from jawenv.playing.maneuvers.signals import SHORTEST_S, AnySignal, KeyframePoint, Keyframes, Signal
@@ -179,29 +180,34 @@ class Player(Remembering):
         self._holds_roll = self.maneuver.channels.roll is not None
         self._device = (device or Device()).records()
         self._dt = 1.0 / hz
+        self._parts = Parts()
+
+    def take_world(self, world: Configuration) -> None:
+        """Get to know the parts of the observations of the worlds that are to be played; as of ``Jaw-v3`` before."""
+        self._parts = world.parts
 
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, Memory]:
-        parameters = checked_parameters(rows)
         step, trackers = memory.of_worlds
         time = self._dt * step.astype(np.float64)
         if CONTROLS[self.control].takes_targets:
             # Where the jaw is to be at the end of the step.
             action = action_of(self.targets(time + self._dt).value)
         else:
-            action = self._follow(rows, parameters, trackers, self.targets(time))
+            action = self._follow(rows, trackers, self.targets(time))
         return action.astype(np.float32), Memory((step + 1, trackers))
 
     def targets(self, time: Array) -> Targets:
         """Targets of N worlds at times (N,) since their episodes began, s."""
         return self.maneuver.targets(time)
 
-    def _follow(self, rows: Observation, parameters: int, trackers: NDArray[np.void], targets: Targets) -> Array:
+    def _follow(self, rows: Observation, trackers: NDArray[np.void], targets: Targets) -> Array:
+        check_rows(rows, self._parts)
         trackers["target"], trackers["rate"] = targets.value, targets.rate
         action = np.zeros((len(rows), N_MOTORS))
         servo = CONTROLS[self.control].has_servos
-        follow_all(self._device, rows, parameters, trackers, servo, self._holds_roll, self._dt, action)
+        follow_all(self._device, rows, self._parts.n_parameters, trackers, servo, self._holds_roll, self._dt, action)
         return action
 
 
@@ -217,12 +223,11 @@ def goals_of(actions: NDArray[Any]) -> Array:
     return goals
 
 
-def checked_parameters(rows: Observation) -> int:
-    """The number of parameters that observations (N, size) are of."""
-    parameters = parameters_of(rows.shape[1])
+def check_rows(rows: Observation, parts: Parts) -> None:
+    """Make sure that observations (N, size) are finite, and of these parts."""
+    parts.check(rows.shape[1], "a maneuver")
     if not np.isfinite(rows).all():
         raise InputError("observation holds a value that is not finite")
-    return parameters
 
 
 def _maneuver(source: Maneuver | str | Path) -> Maneuver:

@@ -15,10 +15,10 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from gymnasium.vector.utils import batch_space
 
-from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
 from jawenv.controls import Control
-from jawenv.playing.agents import Action, Agent, Mask, Memory, Observation, Remembering
+from jawenv.envs.configuration import Configuration
+from jawenv.playing.agents import Action, Agent, Mask, Memory, Observation, Remembering, introduce
 
 Batch = tuple[Observation, dict[str, Any]]
 StepBatch = tuple[Observation, npt.NDArray[np.float64], Mask, Mask, dict[str, Any]]
@@ -80,10 +80,11 @@ class ControlledAgent(Remembering):
         super().reset(num_envs, seed)
         self.agent.reset(num_envs, seed)
 
-    def take_prior(self, prior: Prior) -> None:
-        """Tell the agent the prior of the worlds that are to be played, if it wants to know."""
-        if hasattr(self.agent, "take_prior"):
-            self.agent.take_prior(prior)
+    def take_world(self, world: Configuration) -> None:
+        """Tell controller and agent of the worlds that are to be played, if they want to know."""
+        for part in (self.controller, self.agent):
+            if hasattr(part, "take_world"):
+                part.take_world(world)
 
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
@@ -128,6 +129,7 @@ class ControlledWorlds(VectorWrapper[Observation, Action, Observation, Action, A
         self.single_observation_space = spaces.Box(low, high, dtype=np.float32)
         self.observation_space = batch_space(self.single_observation_space, env.num_envs)
         self.controller = controller
+        introduce(controller, env)
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> Batch:
         """Start new episodes in all worlds."""

@@ -18,10 +18,11 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import FASTEST_TARGET
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.device.guard import TRACKER
-from jawenv.envs.observation import OBSERVATION_REST
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.observation import Parts
 from jawenv.envs.world.tracking import follow_all
 from jawenv.playing.agents import Action, Observation
-from jawenv.playing.maneuvers.maneuver import checked_parameters, goals_of
+from jawenv.playing.maneuvers.maneuver import check_rows, goals_of
 
 DECISION_HZ = CONTROLS["targets"].steps_per_s
 Trackers = NDArray[np.void]
@@ -66,13 +67,18 @@ class TargetsLaw:
         self._servo = mode.has_servos
         self._device = Device().records()
         self._dt, self._decision_s = 1.0 / hz, 1.0 / decision_hz
+        self._parts = Parts()
+
+    def take_world(self, world: Configuration) -> None:
+        """Get to know the parts of the observations of the worlds that are to be played; as of ``Jaw-v3`` before."""
+        self._parts = world.parts
 
     def seen(self, rows: Observation, memory: Trackers) -> Observation:
         """Observations (N, size) with ``motor_target`` as in targets control."""
-        rest = 2 * checked_parameters(rows)
+        check_rows(rows, self._parts)
         rows = rows.copy()
         target = memory["target"] * np.where(memory["begun"][:, None], memory["size"], 1.0)
-        rows[:, rest + _TARGET.start : rest + _TARGET.stop] = target
+        rows[:, self._parts.layout["motor_target"]] = target
         return rows
 
     def act(self, rows: Observation, memory: Trackers, decision: Action | None) -> Action:
@@ -83,15 +89,14 @@ class TargetsLaw:
             memory: (N,) records of the law.
             decision: (N, 4) actions of targets control, with the targets at the next decision.
         """
-        parameters = checked_parameters(rows)
+        check_rows(rows, self._parts)
         if decision is not None:
             rate = (goals_of(np.clip(decision, -1.0, 1.0)) - memory["target"]) / self._decision_s
             memory["rate"] = np.clip(rate, -_FASTEST, _FASTEST)
         action = np.zeros((len(rows), N_MOTORS))
-        follow_all(self._device, rows, parameters, memory, self._servo, True, self._dt, action)
+        follow_all(self._device, rows, self._parts.n_parameters, memory, self._servo, True, self._dt, action)
         memory["target"] += self._dt * memory["rate"]
         return action.astype(np.float32)
 
 
-_TARGET = OBSERVATION_REST["motor_target"]
 _FASTEST = np.array(FASTEST_TARGET)

@@ -12,27 +12,45 @@ import numpy as np
 
 from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
-from jawenv.envs.observation import OBSERVATION_BOUND, layouts, observation_layout
+from jawenv.envs.observation import OBSERVATION_BOUND, Parts
 from jawenv.playing.agents import Observation
 
 
-def fitted(rows: Observation, size: int, policy: object) -> Observation:
-    """Observations (N, size) as a policy knows them: the parts that it knows, with nothing spent of no budget.
+class OwnParts:
+    """Observations as a policy knows them: the parts that it knows, by name, with nothing spent of no budget.
 
-    Raises:
-        InputError: an observation of another model, or one without the question or correlations that the policy reads.
+    Args:
+        parts: that the policy was trained with; those of the worlds that it plays, until it is told.
+        policy: whom messages name.
     """
-    if rows.shape[1] == size:
-        return rows
-    given, known = layouts().get(rows.shape[1]), layouts().get(size)
-    if given is None or known is None or given[0] != known[0] or any(known[i] and not given[i] for i in (1, 3)):
-        why = "is it another model, or is `asked` or `observe_correlations` missing?"
-        raise InputError(f"{policy}: trained on observations of {size} values, got {rows.shape[1]}; {why}")
-    seen = np.zeros((len(rows), size), dtype=rows.dtype)
-    parts, wanted = observation_layout(*given), observation_layout(*known)
-    for name in parts.keys() & wanted.keys():
-        seen[:, wanted[name]] = rows[:, parts[name]]
-    return seen
+
+    def __init__(self, parts: Parts, policy: object) -> None:
+        self._known = self._given = parts
+        self._policy = policy
+
+    def take(self, given: Parts) -> None:
+        """Take the parts of the worlds that are to be played.
+
+        Raises:
+            InputError: another model, or without a part that the policy reads.
+        """
+        lacking = [name for name in self._known.layout if name not in given.layout and name != "spent"]
+        if lacking or given.n_parameters != self._known.n_parameters:
+            why = f"no {' and '.join(lacking)}" if lacking else f"{given.n_parameters} parameters"
+            allowed = f"{', '.join(self._known.layout)} of {self._known.n_parameters} parameters"
+            raise InputError(f"{self._policy}: the environment's observation has {why}; allowed: {allowed}")
+        self._given = given
+
+    def __call__(self, rows: Observation) -> Observation:
+        """Observations (N, size) as the policy knows them, (N, its own size)."""
+        self._given.check(rows.shape[1], self._policy)
+        if self._given == self._known:
+            return rows
+        seen = np.zeros((len(rows), self._known.size), dtype=rows.dtype)
+        given, known = self._given.layout, self._known.layout
+        for name in given.keys() & known.keys():
+            seen[:, known[name]] = rows[:, given[name]]
+        return seen
 
 
 class OwnPrior:

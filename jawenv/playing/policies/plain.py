@@ -12,12 +12,12 @@ from safetensors import SafetensorError
 from safetensors.numpy import load
 from scipy.special import expit
 
-from jawenv.anatomy.prior import Prior
 from jawenv.base.errors import InputError
 from jawenv.base.files import atomic_write
 from jawenv.base.reading import read_bytes
 from jawenv.controls import Control
-from jawenv.envs.observation import observation_size
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.observation import Parts
 from jawenv.ladder import model_of_env
 from jawenv.playing.agents import (
     Action,
@@ -32,7 +32,7 @@ from jawenv.playing.agents import (
 )
 from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, ModelCard, read_card
 from jawenv.playing.policies.following import decision_hz
-from jawenv.playing.policies.inputs import OwnPrior, fitted
+from jawenv.playing.policies.inputs import OwnParts, OwnPrior
 from jawenv.playing.policies.residual import N_FEATURES, BaseTargets, ResidualPolicy
 
 LARGEST_WEIGHTS = 256 * 2**20
@@ -70,14 +70,19 @@ class PlainPolicy(BatchAgent):
         # Twice the precision of the weights: an action then hardly depends on how many worlds are computed at once.
         self.weights = {key: np.asarray(values, dtype=np.float64) for key, values in weights.items()}
         self._activation = ACTIVATIONS[card.architecture.activation]
-        self._own_prior = OwnPrior(card.environment.world().build_cohort().prior)
+        world = card.environment.world()
+        self._own_prior = OwnPrior(world.build_cohort().prior)
+        # On a maneuver `ResidualPolicy` picks the parts.
+        self._own_parts = OwnParts(world.parts, name) if card.residual is None else None
 
-    def take_prior(self, prior: Prior) -> None:
-        """Get to know the prior of the worlds that are to be played."""
-        self._own_prior.take(prior)
+    def take_world(self, world: Configuration) -> None:
+        """Get to know the parts of the observations, and the prior, of the worlds that are to be played."""
+        if self._own_parts is not None:
+            self._own_parts.take(world.parts)
+        self._own_prior.take(world.build_cohort().prior)
 
     def _seen(self, rows: Observation) -> Observation:
-        return self._own_prior(fitted(rows, self.card.observation_size, self.name))
+        return self._own_prior(rows if self._own_parts is None else self._own_parts(rows))
 
     def _answer(
         self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
@@ -151,14 +156,14 @@ def load_plain(folder: Path, env_id: str | None = None) -> Agent:
     return on_maneuver(kind(folder.resolve().name, card, weights), folder, card)
 
 
-def check_environment(path: Path, size: int, card: ModelCard | None, env_id: str) -> None:
-    """Make sure that an environment gives the inputs of a policy, with the targets of the maneuver that it corrects."""
-    others = {} if card is None else card.environment.others
-    ends = [bool(others.get(name)) for name in ("asked", "comfort_budget_s", "observe_correlations")]
-    seen = observation_size(len(model_of_env(env_id).muscles.parameter_names), *ends)
-    seen += 0 if card is None or card.residual is None else N_FEATURES
+def check_environment(path: Path, size: int, card: ModelCard | None, env_id: str) -> Parts:
+    """The parts that a policy reads, once an environment gives its inputs, with the maneuver that it corrects."""
+    number = len(model_of_env(env_id).muscles.parameter_names)
+    parts = (Parts() if card is None else card.environment.world().parts)._replace(n_parameters=number)
+    seen = parts.size + (0 if card is None or card.residual is None else N_FEATURES)
     if size != seen:
         raise InputError(f"{path}: the policy was trained on observations of {size} values, {env_id} gives {seen}")
+    return parts
 
 
 def on_maneuver(policy: Agent, path: Path, card: ModelCard) -> Agent:
@@ -166,7 +171,7 @@ def on_maneuver(policy: Agent, path: Path, card: ModelCard) -> Agent:
     if card.residual is None:
         return policy
     base = BaseTargets(card.residual.maneuver, card.residual.scale, decision_hz(card.environment.kwargs()))
-    return ResidualPolicy(policy, base, path, card.observation_size - N_FEATURES)
+    return ResidualPolicy(policy, base, path, card.environment.world().parts)
 
 
 def _checked(path: Path, architecture: Architecture, content: bytes) -> dict[str, np.ndarray]:

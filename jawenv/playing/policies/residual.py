@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.observation import Parts
 from jawenv.playing.agents import Action, Agent, Array, Mask, Memory, Observation
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import action_of, goals_of
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import DECISION_HZ
-from jawenv.playing.policies.inputs import fitted
+from jawenv.playing.policies.inputs import OwnParts
 
 STEPS_SEEN = 3
 N_FEATURES = STEPS_SEEN * N_CHANNELS
@@ -98,25 +100,31 @@ class ResidualPolicy(ControlledAgent):
         policy: the trained policy, which sees the environment's observation and `BaseTargets.features`.
         base: the maneuver.
         path: where the policy lies.
-        observation_size: of the environment.
+        parts: of the observations of the environment that it was trained in.
 
     Attributes:
         base: as given.
         decision_hz: its actions per second.
         path: as given.
-        observation_size: as given.
+        parts: as given.
     """
 
     is_trained = True
 
-    def __init__(self, policy: Agent, base: BaseTargets, path: Path, observation_size: int) -> None:
+    def __init__(self, policy: Agent, base: BaseTargets, path: Path, parts: Parts) -> None:
         super().__init__(policy, base)
         self.base = base
         self.decision_hz = base.decision_hz
         self.path = path
-        self.observation_size = observation_size
+        self.parts = parts
+        self._own_parts = OwnParts(parts, path)
+
+    def take_world(self, world: Configuration) -> None:
+        """Get to know the parts of the observations, and the prior, of the worlds that are to be played."""
+        self._own_parts.take(world.parts)
+        super().take_world(world)
 
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, Memory]:
-        return super()._decide(fitted(rows, self.observation_size, self.path), memory, starts, deterministic)
+        return super()._decide(self._own_parts(rows), memory, starts, deterministic)

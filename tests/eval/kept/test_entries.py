@@ -15,7 +15,7 @@ from eval.kept.digest import fingerprint
 from eval.kept.entries import Settings, env_of_runs, load_entries
 from jawenv.base.errors import InputError
 from jawenv.base.files import write_json
-from jawenv.envs.observation import observation_size
+from jawenv.envs.observation import Parts
 from jawenv.ladder import model_of_env
 from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
 from tests.eval.runs import save_run
@@ -36,7 +36,7 @@ def exported(folder: Path, env: str = "jaw", gain: float = 0.0) -> Path:
     import hashlib
 
     model = model_of_env(env)
-    size = observation_size(len(model.muscles.parameter_names))
+    size = Parts(len(model.muscles.parameter_names)).size
     weights = {"layers.0.weight": np.zeros((4, size), np.float32), "layers.0.bias": np.full(4, gain, np.float32)}
     environment = Environment(
         id=model.env_id,

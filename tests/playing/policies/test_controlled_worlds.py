@@ -9,7 +9,7 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from jawenv.base.errors import InputError
-from jawenv.envs.observation import OBSERVATION_LAYOUT, observation_size
+from jawenv.envs.observation import OBSERVATION_LAYOUT, Parts
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.policies.controller import ControlledAgent, ControlledWorlds
 from jawenv.playing.policies.following import TargetsLaw
@@ -27,13 +27,13 @@ class Counting(VectorEnv[Any, Any, Any]):
 
     def __init__(self, lengths: tuple[int, int], mode: AutoresetMode = AutoresetMode.SAME_STEP, axes: int = 1) -> None:
         self.num_envs, self.metadata = 2, {"autoreset_mode": mode}
-        self.single_observation_space = spaces.Box(-2.0, 9.0, (observation_size(),) * axes, np.float32)
+        self.single_observation_space = spaces.Box(-2.0, 9.0, (Parts().size,) * axes, np.float32)
         self.single_action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)
         self._lengths = np.array(lengths)
         self.actions: list[np.ndarray] = []
 
     def _seen(self) -> np.ndarray:
-        rows = np.zeros((2, observation_size()), np.float32)
+        rows = np.zeros((2, Parts().size), np.float32)
         rows[:, OBSERVATION_LAYOUT["comfort_margin"]], rows[:, 0] = 1.0, self.t
         return rows
 
@@ -65,17 +65,17 @@ def test_other_worlds_are_refused(worlds: Counting) -> None:
 
 def test_features_follow_each_world_over_the_ends_of_its_episodes() -> None:
     worlds = ControlledWorlds(Counting((3, 5)), BASE)
-    assert worlds.single_observation_space.shape == (observation_size() + N_FEATURES,)
+    assert worlds.single_observation_space.shape == (Parts().size + N_FEATURES,)
     seen, _ = worlds.reset()
     assert worlds.observation_space.contains(seen)
     ends = 0
     for _ in range(12):
-        np.testing.assert_array_equal(seen[:, observation_size() :], BASE.features(seen[:, 0].astype(int)))
+        np.testing.assert_array_equal(seen[:, Parts().size :], BASE.features(seen[:, 0].astype(int)))
         seen, _, _, done, info = worlds.step(np.zeros((2, 4), np.float32))
         for i in np.flatnonzero(done):
             last = info["final_obs"][i]
             assert last[0] == (3, 5)[i] == info["final_info"]["cost"][i] and seen[i, 0] == 0 == info["cost"][i]
-            np.testing.assert_array_equal(last[observation_size() :], BASE.features(np.array([(3, 5)[i]]))[0])
+            np.testing.assert_array_equal(last[Parts().size :], BASE.features(np.array([(3, 5)[i]]))[0])
             ends += 1
     assert ends == 4 + 2
 
@@ -110,7 +110,7 @@ class Drawn:
 
 
 def corrector() -> ResidualPolicy:
-    return ResidualPolicy(Drawn(), BASE, path=None, observation_size=observation_size())  # type: ignore[arg-type]
+    return ResidualPolicy(Drawn(), BASE, path=None, parts=Parts())  # type: ignore[arg-type]
 
 
 def test_actions_are_those_of_the_agent() -> None:
@@ -120,7 +120,7 @@ def test_actions_are_those_of_the_agent() -> None:
     agent.reset(2)
     (seen, _), starts = worlds.reset(), np.zeros(2, bool)
     for _ in range(12):
-        action, _ = agent.predict(seen[:, : observation_size()], episode_start=starts)
+        action, _ = agent.predict(seen[:, : Parts().size], episode_start=starts)
         seen, _, _, starts, _ = worlds.step(drawn.predict(seen)[0])
         np.testing.assert_array_equal(inner.actions[-1], action)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jawenv.base.errors import InputError
-from jawenv.envs.observation import OBSERVATION_LAYOUT, observation_size
+from jawenv.envs.observation import OBSERVATION_LAYOUT, Parts
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import DECISION_HZ, TargetsLaw, decision_hz
 
@@ -66,7 +66,7 @@ def test_the_jaw_moves_as_in_targets_control(control: str, goals: np.ndarray, to
 
 
 def observations(worlds: int) -> np.ndarray:
-    return np.random.default_rng(1).uniform(-0.1, 0.1, (worlds, observation_size())).astype(np.float32)
+    return np.random.default_rng(1).uniform(-0.1, 0.1, (worlds, Parts().size)).astype(np.float32)
 
 
 def test_the_agent_is_asked_when_a_decision_is_due() -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jawenv.envs.observation import observation_size
+from jawenv.envs.observation import Parts
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.policies.residual import N_FEATURES, BaseTargets, ResidualPolicy
 
@@ -29,11 +29,11 @@ class Constant:
 
 
 def agent(value: float = 0.0) -> ResidualPolicy:
-    return ResidualPolicy(Constant(value), BASE, Path("run"), observation_size())
+    return ResidualPolicy(Constant(value), BASE, Path("run"), Parts())
 
 
 def observations(worlds: int) -> np.ndarray:
-    return np.random.default_rng(1).uniform(-1, 1, (worlds, observation_size())).astype(np.float32)
+    return np.random.default_rng(1).uniform(-1, 1, (worlds, Parts().size)).astype(np.float32)
 
 
 def test_zero_residual_plays_the_maneuver() -> None:
@@ -79,7 +79,7 @@ def test_a_world_that_starts_anew_is_at_step_0_and_the_old_state_stays_as_it_was
     assert after is not None
     np.testing.assert_array_equal(after.of_worlds[0], [3, 1])
     np.testing.assert_array_equal(state.of_worlds[0], before)
-    np.testing.assert_array_equal(policy.agent.seen[:, observation_size() :], BASE.features(np.array([2, 0])))
+    np.testing.assert_array_equal(policy.agent.seen[:, Parts().size :], BASE.features(np.array([2, 0])))
 
 
 def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
