@@ -1,7 +1,8 @@
-"""The tasks as cells of a study: every agent in every task that it fits."""
+"""The tasks as cells of a study: every agent in every task that it fits, with public and with drawn patients."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -9,64 +10,58 @@ from functools import partial
 from agents.registry import world_of
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
 from eval.kept.cells import Cell
-from eval.kept.entries import can_play, load_entry
+from eval.kept.entries import can_play, load_entries, load_entry
 from eval.rows.times import Times
 from jawenv.base.errors import InputError
 
+PUBLIC, DRAWN = "public", "drawn"
+"""Patients of the tasks' own seeds, and as many whom a key draws."""
+
 
 def cells_of(
-    specs: Sequence[str], tasks: Sequence[Task], patients: int | None = None, *, trust: bool = False
+    specs: Sequence[str], tasks: Sequence[Task], key: str, patients: int | None = None, *, trust: bool = False
 ) -> tuple[Cell, ...]:
-    """Every agent in every task that it fits; a trained one plays the tasks of its own environment.
+    """Every agent in every task that it fits, twice; a trained one plays the tasks of its own environment.
 
     Args:
         specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
         tasks: at least one.
+        key: draws the patients who are not the tasks' own.
         patients: the first ones of every task; all by default.
         trust: whether stable-baselines3 checkpoints may be unpickled.
     """
     if not specs:
         raise InputError("nothing to play: name a maneuver, a file, a training run or a policy")
-    cells = [
-        (spec, cell_of(task, spec, patients=patients, trust=trust))
-        for spec in dict.fromkeys(specs)
-        for task in _fitting(spec, tasks)
-    ]
-    named: dict[object, set[str]] = {}
-    for spec, cell in cells:
-        named.setdefault(cell.levels["agent"], set()).add(spec)
+    fitting = {spec: _fitting(spec, tasks) for spec in dict.fromkeys(specs)}
+    labels = {
+        task.id: {
+            entry.spec: entry.label
+            for entry in load_entries([s for s in fitting if task in fitting[s]], task.settings().world, trust=trust)
+        }
+        for task in tasks
+    }
     return tuple(
         cell
-        if len(named[cell.levels["agent"]]) == 1
-        else replace(cell, levels={**cell.levels, "agent": f"{cell.levels['agent']} ({spec})"})
-        for spec, cell in cells
+        for spec, played in fitting.items()
+        for task in played
+        for cell in _pair(task, spec, labels[task.id][spec], key, task.seeds[:patients], trust)
     )
 
 
-def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None, *, trust: bool = False) -> Cell:
-    """One agent in one task.
-
-    Args:
-        task: the task.
-        spec: name, file or module of the agent.
-        agent: how the table calls it; by its own label by default.
-        patients: the first ones; all by default.
-        trust: whether a stable-baselines3 checkpoint may be unpickled.
-    """
+def _pair(task: Task, spec: str, agent: str, key: str, seeds: range, trust: bool) -> Iterator[Cell]:
+    """One agent in one task, with public and with drawn patients."""
     load = partial(load_entry, spec, task.settings().world, trust=trust)
-    levels = {"task": task.id, "agent": agent or load().label}
-    return Cell(
-        levels,
-        load,
-        task.seeds[:patients],
-        times_of(task),
-        PATIENTS_IN_A_PART,
-    )
+    times = Times(task.within, task.episode_s, task.comfort_limit_s)
+    levels = {"task": task.id, "agent": agent}
+    yield Cell(levels | {"patients": PUBLIC}, load, seeds, times, PATIENTS_IN_A_PART)
+    drawn = replace(times, seeds=drawn_seeds(task.id, len(seeds), key))
+    yield Cell(levels | {"patients": DRAWN}, load, range(len(seeds)), drawn, PATIENTS_IN_A_PART)
 
 
-def times_of(task: Task) -> Times:
-    """The columns of a task's patients."""
-    return Times(task.within, task.episode_s, task.comfort_limit_s)
+def drawn_seeds(task: str, number: int, key: str) -> tuple[int, ...]:
+    """Seeds of a task's drawn patients, 63 bits of SHA-256 each: nobody knows them before the key."""
+    digests = (hashlib.sha256(f"{key}|{task}|{patient}".encode()).digest() for patient in range(number))
+    return tuple(int.from_bytes(digest[:8], "big") >> 1 for digest in digests)
 
 
 def fitting_agents(specs: Sequence[str], tasks: Sequence[Task]) -> list[str]:

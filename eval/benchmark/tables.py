@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from eval.benchmark.scores import by_cell, figures, score_of
+from eval.benchmark.run import DRAWN, PUBLIC
 from eval.benchmark.tasks import TASKS, VERSION, Task, digest
-from eval.figures import words
-from eval.figures.tables import Table, made_by
+from eval.figures import statistics, words
+from eval.figures.statistics import Array, Interval
+from eval.figures.tables import Table, code, made_by
+from eval.rows.times import LEVELS, restricted
 
 NOTE = (
     "Seconds until every parameter is within the task's share of the truth, and stays there to the end of an episode "
@@ -18,37 +20,92 @@ NOTE = (
     "happens (restricted mean time). Lower is better. In brackets the 95 % interval over the patients (bias-corrected "
     "and accelerated bootstrap). `–`: trained for another environment, or plans in another one."
 )
+CHECK_NOTE = (
+    "The same score with as many patients whom the key draws, for whom nobody could prepare; the public ones rank. "
+    "Later: their mean score less that of the public ones, with the 95 % interval of two independent samples (Welch "
+    "1947). By chance one interval in twenty leaves out 0."
+)
 DETAILS_NOTE = (
-    "Get there: share of the patients (Wilson's interval). Within 20, 10, 5 %: the score with that share. "
-    "Claimed: the restricted mean of the first time at which no sd that the filter states is above the task's share. "
-    "Worst sd: median, at the end. Stopped: a hard limit was crossed, or the filter diverged."
+    "Of the public patients. Get there: share of the patients (Wilson's interval). Within 20, 10, 5 %: the score with "
+    "that share. Claimed: the restricted mean of the first time at which no sd that the filter states is above the "
+    "task's share. Worst sd: median, at the end. Stopped: a hard limit was crossed, or the filter diverged."
 )
 _DIGITS = {"score, s": 2, "get there, %": 0, "worst sd, %": 2, "discomfort, s": 3}
-
-
 TASK_HEAD = ("task", "what it asks", "model", "cohort", "knowledge", "device", "within", "seeds")
+Cells = dict[tuple[str, str], pd.DataFrame]
+
+
+def _cells(rows: pd.DataFrame, patients: str) -> Cells:
+    """Rows of the public or of the drawn patients by task and agent, in the order of `TASKS` and of the rows."""
+    chosen = rows[rows["patients"] == patients]
+    of = {(str(task), str(agent)): cell for (task, agent), cell in chosen.groupby(["task", "agent"], sort=False)}
+    agents = dict.fromkeys(map(str, rows["agent"]))
+    return {(task, agent): of[task, agent] for task in TASKS for agent in agents if (task, agent) in of}
+
+
+def _numbers(cell: pd.DataFrame, column: str) -> Array:
+    return cell[column].to_numpy(dtype=np.float64)
+
+
+def _score(cell: pd.DataFrame) -> Interval:
+    return statistics.mean(_numbers(cell, "score_s"))
 
 
 def score_table(rows: pd.DataFrame) -> Table:
-    """An agent a row, a task a column.
+    """The scores of the public patients: an agent a row, a task a column.
 
     Args:
         rows: of `eval.kept.cells.play_cells`.
     """
-    cells = by_cell(rows)
-    tasks = list(dict.fromkeys(task for task, _ in cells))
+    cells = _cells(rows, PUBLIC)
+    tasks, agents = (dict.fromkeys(key[place] for key in cells) for place in (0, 1))
     table = [
         [words.label(agent)]
-        + [words.with_interval(score_of(cells[task, agent]), 2) if (task, agent) in cells else "–" for task in tasks]
-        for agent in dict.fromkeys(map(str, rows["agent"]))
+        + [words.with_interval(_score(cells[task, agent]), 2) if (task, agent) in cells else "–" for task in tasks]
+        for agent in agents
     ]
     return Table(["agent", *tasks], table, note=NOTE, title=f"{VERSION}: s until the truth is found, lower is better")
+
+
+def check_table(rows: pd.DataFrame) -> Table:
+    """The scores of the drawn patients beside those of the public ones: a task and an agent a row."""
+    public, table = _cells(rows, PUBLIC), []
+    for (task, agent), cell in _cells(rows, DRAWN).items():
+        later = statistics.difference(_numbers(cell, "score_s"), _numbers(public[task, agent], "score_s"))
+        scores = (_score(public[task, agent]), _score(cell), later)
+        table.append([task, words.label(agent), *(words.with_interval(score, 2) for score in scores)])
+    head = ["task", "agent", "public, s", "drawn, s", "later, s"]
+    return Table(head, table, (0, 1), CHECK_NOTE, "Drawn patients: a check")
+
+
+def figures(task: str, cell: pd.DataFrame) -> dict[str, Interval]:
+    """The score and figures beside it, by heading.
+
+    Args:
+        task: id of the task.
+        cell: rows of one agent.
+    """
+    within, episode_s = TASKS[task].within, TASKS[task].episode_s
+
+    def mean_time(column: str) -> Interval:
+        return statistics.mean(restricted(_numbers(cell, column), episode_s))
+
+    reached = np.isfinite(_numbers(cell, f"within_{within:g}_s"))
+    return {
+        "score, s": _score(cell),
+        "get there, %": words.scaled(statistics.share(reached), 100.0),
+        **{f"within {100.0 * level:g} %, s": mean_time(f"within_{level:g}_s") for level in LEVELS},
+        "claimed, s": mean_time("claimed_s"),
+        "worst sd, %": words.scaled(statistics.quantile(_numbers(cell, "worst_sd"), 0.5), 100.0),
+        "discomfort, s": statistics.mean(_numbers(cell, "discomfort_s")),
+        "stopped, %": words.scaled(statistics.share(~cell["completed"].to_numpy(dtype=bool)), 100.0),
+    }
 
 
 def _details_table(rows: pd.DataFrame) -> Table:
     """A task and an agent a row, with the figures beside the score."""
     table, head = [], ["task", "agent", "patients"]
-    for (task, agent), cell in by_cell(rows).items():
+    for (task, agent), cell in _cells(rows, PUBLIC).items():
         beside = figures(task, cell)
         head = [*head[:3], *beside]
         written = [words.with_interval(value, _DIGITS.get(name, 1)) for name, value in beside.items()]
@@ -65,35 +122,28 @@ def task_row(task: Task) -> list[str]:
     return [task.id, task.description, model, task.cohort, task.knowledge, device or "–", share, seeds]
 
 
-def markdown(rows: pd.DataFrame, metadata: dict[str, Any]) -> str:
+def markdown(rows: pd.DataFrame, metadata: dict[str, Any], key: str) -> str:
     """The page ``benchmark.md``.
 
     Args:
         rows: of `eval.kept.cells.play_cells`.
         metadata: of `eval.kept.tables.made_with`.
+        key: of the drawn patients.
     """
     tasks = [task for task in TASKS.values() if task.id in set(rows["task"])]
+    played = rows[rows["patients"] == PUBLIC].groupby("task")["seed"].nunique()
+    fewer = [f"{played[task.id]} of {task.patients} in {task.id}" for task in tasks if played[task.id] < task.patients]
     lines = [
         f"# Benchmark {VERSION}",
         made_by(metadata, f"tasks {VERSION}, digest `{digest()}`"),
-        _how_many(rows, tasks),
+        f"Not all patients were played: {'; '.join(fewer)}." if fewer else "All patients of these tasks were played.",
         score_table(rows).markdown(),
         "## Beside the scores",
         _details_table(rows).markdown(),
+        "## Drawn patients",
+        f"Drawn by {code(f'--key {key}')}.",
+        check_table(rows).markdown(),
         "## Tasks",
         Table(TASK_HEAD, [task_row(task) for task in tasks], range(len(TASK_HEAD) - 2)).markdown(),
     ]
     return "\n\n".join(lines) + "\n"
-
-
-def _how_many(rows: pd.DataFrame, tasks: Sequence[Task]) -> str:
-    """Whether all patients were played."""
-    played = {task.id: rows.loc[rows["task"] == task.id, "seed"].nunique() for task in tasks}
-    fewer = {
-        task.id: f"the first {played[task.id]} of {task.patients}" for task in tasks if played[task.id] < task.patients
-    }
-    if not fewer:
-        return "All patients of these tasks were played."
-    if len(fewer) == len(tasks) and len(set(fewer.values())) == 1:
-        return f"Of each task {next(iter(fewer.values()))} patients were played."
-    return f"Not all patients were played: {'; '.join(f'{many} in {task}' for task, many in fewer.items())}."

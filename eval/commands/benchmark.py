@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from pathlib import Path
 from typing import Annotated
 
@@ -40,6 +41,9 @@ def _benchmark_command(
     patients: Annotated[
         int | None, typer.Option(help="The first of every task, to try it out.", metavar="N", min=1)
     ] = None,
+    key: Annotated[
+        str, typer.Option(help="Draw the same other patients again; drawn anew by default.", metavar="KEY")
+    ] = "",
     output: options.Output = Path("runs/benchmark"),
     fresh: options.Fresh = False,
     workers: options.Workers = None,
@@ -47,10 +51,11 @@ def _benchmark_command(
 ) -> None:
     """Play the tasks of the frozen benchmark, and write their scores (docs/benchmark.md).
 
-    Writes benchmark.md and benchmark.parquet. Ctrl-C keeps what is finished: the same command goes on from there.
+    Every task is played with its own patients, and with as many whom a new key draws. Writes benchmark.md and
+    benchmark.parquet. Ctrl-C keeps what is finished: the same command, with --key, goes on from there.
     """
     from eval.benchmark.run import cells_of, fitting_agents, left_out
-    from eval.benchmark.tables import markdown, score_table
+    from eval.benchmark.tables import check_table, markdown, score_table
     from eval.benchmark.tasks import tasks_named
     from eval.kept.cells import play_cells
     from eval.kept.parts import Run
@@ -64,13 +69,16 @@ def _benchmark_command(
         for task in chosen:
             print(f"{task.id:20s} {task.description}")
         return
-    cells = cells_of(agents or fitting_agents(BASELINES, chosen), chosen, patients, trust=trust)
+    key = key or secrets.token_hex(16)
+    cells = cells_of(agents or fitting_agents(BASELINES, chosen), chosen, key, patients, trust=trust)
     for line in left_out(cells, chosen):
         console.print(line, soft_wrap=True)
+    console.print(f"other patients: --key {key}", soft_wrap=True)
     rows = play_cells(cells, output, Run(fresh, workers, console=console))
     metadata = made_with(typed())
     with alone(output):
         write_table(rows, output / PATIENTS, metadata)
-        write_text(output / PAGE, markdown(rows, metadata))
+        write_text(output / PAGE, markdown(rows, metadata, key))
     score_table(rows).show(console)
+    check_table(rows).show(console)
     console.print(f"tables: {output / PAGE}", soft_wrap=True)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import binomtest, bootstrap
+from scipy.stats import binomtest, bootstrap, t
 
 Array = npt.NDArray[np.float64]
 RESAMPLES = 2000
@@ -94,6 +94,24 @@ def mean_over_both(values: Array) -> Interval:
     resampled = np.einsum("rs,sn,rn->r", rows, values, columns, optimize=True)
     low, high = np.quantile(resampled, [(1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0])
     return Interval(estimate, float(low), float(high))
+
+
+def difference(values: Array, others: Array) -> Interval:
+    """Mean of some patients less that of others, with the interval of two independent samples (Welch 1947).
+
+    Args:
+        values: (N,) one per patient.
+        others: (M,) of other patients.
+    """
+    apart = float(values.mean() - others.mean())
+    if min(len(values), len(others)) < 2:
+        return Interval(apart, float("nan"), float("nan"))
+    squares = np.array([sample.var(ddof=1) / len(sample) for sample in (values, others)])
+    if not squares.any():
+        return Interval(apart, apart, apart)
+    freedom = squares.sum() ** 2 / (squares**2 / [len(values) - 1, len(others) - 1]).sum()
+    half = float(np.sqrt(squares.sum()) * t.ppf((1.0 + CONFIDENCE) / 2.0, freedom))
+    return Interval(apart, apart - half, apart + half)
 
 
 def means_together(values: Array) -> list[Interval]:

@@ -67,14 +67,16 @@ class Times(Rows):
     within: float  # largest relative error that the task allows
     episode_s: float  # length of its episodes
     comfort_limit_s: float = np.inf  # discomfort of an episode above which nothing counts as found
+    seeds: tuple[int, ...] = ()  # of patients who do not follow each other, whose numbers are their places here
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""
-        return self.rows_of(entry.play(number, seed, progress, track_bound=False), seed)
+        seeds = list(self.seeds[seed : seed + number] or range(seed, seed + number))
+        return self.rows_of(entry.play(number, seeds, progress, track_bound=False)).assign(seed=seeds)
 
-    def rows_of(self, recording: Recording, seed: int) -> pd.DataFrame:
-        """The rows of patients whose seeds follow each other from ``seed`` on."""
-        rows = outcomes_of(recording, seed)
+    def rows_of(self, recording: Recording) -> pd.DataFrame:
+        """The rows of a recording."""
+        rows = outcomes_of(recording, 0)
         comfortable = rows["discomfort_s"].to_numpy() <= self.comfort_limit_s
 
         def found(level: float) -> Array:

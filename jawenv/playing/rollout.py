@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 OnStep: TypeAlias = Callable[[Any, Action | None], None]
 
-LARGEST_SEED = 2**32 - 1  # that all agents take, and tables hold
+LARGEST_SEED = 2**32 - 1  # of a first patient
+LARGEST_OF_MANY = 2**63 - 1  # where each patient has one of his own, as tables hold them
 
 _TRACKED = (
     "belief_mean",
@@ -65,7 +66,7 @@ def play(
             (`jawenv.playing.agents.Planning`).
         patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
             patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
-        seed: of patients and noise, 0 to 2**32 - 1; of the first world, or one for each.
+        seed: of patients and noise; of the first world, 0 to 2**32 - 1, or one for each, 0 to 2**63 - 1.
         env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise, `info` is
             full, and `control` is that of the agent if it has an attribute of this name.
         env_id: a registered environment of jawenv; where it has no native vector form, single ones are stepped.
@@ -155,9 +156,10 @@ def _seeds_of(seed: int | Sequence[int], number: int) -> list[int]:
     """The seed of each of so many worlds."""
     one = not isinstance(seed, Sequence) or isinstance(seed, str)
     values: Sequence[object] = [seed] if one else seed  # type: ignore[assignment]
-    seeds = [whole for whole in map(whole_number, values) if whole is not None and 0 <= whole <= LARGEST_SEED]
+    largest = LARGEST_SEED if one else LARGEST_OF_MANY
+    seeds = [whole for whole in map(whole_number, values) if whole is not None and 0 <= whole <= largest]
     if len(seeds) < len(values):
-        raise InputError(f"seed is {shown(seed)}; allowed: a whole number, 0 to {LARGEST_SEED}")
+        raise InputError(f"seed is {shown(seed)}; allowed: a whole number, 0 to {largest}")
     if one:
         return [seeds[0] + i for i in range(number)]
     if len(seeds) != number:

@@ -1,44 +1,81 @@
 """The command: what it writes, what it keeps, and what it refuses."""
 
+import re
 import shutil
 from dataclasses import replace
+from functools import partial
 
+import numpy as np
 import pandas as pd
 import pytest
+import scipy.stats
 
-from eval.benchmark.run import cells_of, fitting_agents, left_out
+from eval.benchmark import run
+from eval.benchmark.run import DRAWN, PUBLIC, drawn_seeds, fitting_agents, left_out
+from eval.benchmark.tables import check_table
 from eval.benchmark.tasks import TASKS, tasks_named
 from eval.commands.app import main
 from eval.commands.benchmark import BASELINES, PAGE, PATIENTS
+from eval.figures import words
+from eval.figures.statistics import Interval, difference
 from eval.kept.cells import play_cells
 from eval.kept.entries import Entry
 from eval.kept.parts import Run
 from tests.eval.benchmark.conftest import CIRCLES, play
 
+cells_of = partial(run.cells_of, key="a key")
+
 
 def test_scores_are_the_times_of_the_patients(played):
-    rows = pd.read_parquet(played / PATIENTS)
+    every = pd.read_parquet(played / PATIENTS)
+    rows = every[every["patients"] == PUBLIC]
     assert list(rows["seed"]) == [50_000, 50_001] * 2
     assert list(dict.fromkeys(rows["agent"])) == ["slow_opening", "opening_with_circles"]
     assert (rows["score_s"] == rows["within_0.05_s"]).all() and rows["score_s"].between(0.0, 30.0).all()
     page = (played / PAGE).read_text()
-    assert "Of each task the first 2 of 100 patients were played." in page and "| slow opening | " in page
+    assert "Not all patients were played: 2 of 100 in hinge-exact." in page and "| slow opening | " in page
+
+
+def test_other_patients_are_drawn_by_a_key_that_the_page_says(played, tmp_path):
+    drawn = {}
+    for folder in (played, tmp_path):
+        key = re.search("Drawn by `--key (.+)`", (played / PAGE).read_text())[1]
+        if folder is tmp_path:
+            assert play(folder, "slow_opening", CIRCLES, "--key", key) == 0
+        rows = pd.read_parquet(folder / PATIENTS)
+        drawn[folder] = rows[rows["patients"] == DRAWN].reset_index(drop=True)
+    pd.testing.assert_frame_equal(drawn[played], drawn[tmp_path])
+    assert (drawn[played]["seed"] > 2**32).any() and len(key) == 32
+    assert not set(drawn_seeds("hinge-exact", 9, key)) & set(drawn_seeds("hinge-exact", 9, key + "0"))
+
+
+def test_drawn_patients_stand_beside_the_public_ones_with_an_interval_of_two_samples():
+    public, drawn = np.array([1.0, 2.0, 3.0, 4.0]), np.array([3.0, 4.0, 5.0, 8.0])
+    times = {PUBLIC: public, DRAWN: drawn}
+    rows = pd.concat(
+        [pd.DataFrame({"task": "jaw-exact", "agent": "a", "patients": on, "score_s": s}) for on, s in times.items()]
+    )
+    ends = scipy.stats.ttest_ind(drawn, public, equal_var=False).confidence_interval()
+    (row,) = check_table(rows).rows
+    assert row[-1] == words.with_interval(Interval(2.5, ends.low, ends.high), 2)
+    assert difference(public, public[:1]).known is False and difference(np.ones(3), np.ones(2)).low == 0.0
 
 
 def test_only_what_is_missing_is_played(tmp_path, plays, capsys):
-    assert play(tmp_path, "slow_opening", "chirp") == 0 and plays.names == ["slow_opening", "chirp"]
-    assert play(tmp_path, "chirp", "prbs", "slow_opening") == 0 and plays.names[2:] == ["prbs"]
-    assert "4 of 6 episodes kept from an earlier run" in capsys.readouterr().out
-    assert play(tmp_path, "chirp", "--fresh") == 0 and plays.names[3:] == ["chirp"]
+    again = partial(play, tmp_path, "--key", "k")
+    assert again("slow_opening", "chirp") == 0 and plays.names == ["slow_opening"] * 2 + ["chirp"] * 2
+    assert again("chirp", "prbs", "slow_opening") == 0 and plays.names[4:] == ["prbs"] * 2
+    assert "8 of 12 episodes kept from an earlier run" in capsys.readouterr().out
+    assert again("chirp", "--fresh") == 0 and plays.names[6:] == ["chirp"] * 2
 
 
 def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
-    plays.fail_at = 1
-    assert play(tmp_path, "slow_opening", "chirp") == 130
+    again, plays.fail_at = partial(play, tmp_path, "--key", "k"), 1
+    assert again("slow_opening", "chirp") == 130
     assert "the same command goes on from there" in capsys.readouterr().err
     assert not (tmp_path / PAGE).exists()
     plays.fail_at = None
-    assert play(tmp_path, "slow_opening", "chirp") == 0 and plays.names == ["slow_opening", "chirp"]
+    assert again("slow_opening", "chirp") == 0 and plays.names == ["slow_opening"] * 2 + ["chirp"] * 2
 
 
 @pytest.mark.parametrize(
@@ -63,8 +100,8 @@ def test_the_list_names_every_task(capsys):
 
 
 def test_an_agent_plays_the_tasks_of_its_environment_in_its_own_control():
-    cells = cells_of(["ppo_force", "slow_opening"], tasks_named(["hinge-exact", "jaw-exact"]))
-    assert [tuple(cell.levels.values()) for cell in cells] == [
+    cells = cells_of(["ppo_force", "slow_opening"], tasks_named(["hinge-exact", "jaw-exact"]))[::2]
+    assert [tuple(cell.levels.values())[:2] for cell in cells] == [
         ("jaw-exact", "ppo_force"),
         ("hinge-exact", "slow_opening"),
         ("jaw-exact", "slow_opening"),
@@ -83,7 +120,7 @@ def test_a_task_alone_is_played_by_the_baselines_that_fit_it():
     tasks = tasks_named(["jaw-imaged-memory"])
     fitting = fitting_agents(BASELINES, tasks)
     assert "apg_asked" not in fitting and "refined" in fitting
-    assert len(cells_of(fitting, tasks)) == len(fitting)
+    assert len(cells_of(fitting, tasks)) == 2 * len(fitting)
 
 
 def test_who_is_left_out_of_a_task_is_one_line():
@@ -96,11 +133,11 @@ def test_agents_of_one_name_are_told_apart(tmp_path):
     other = shutil.copy(CIRCLES, tmp_path / "other.yaml")
     cells = cells_of([CIRCLES, other], tasks_named(["hinge-exact", "jaw-exact"]))
     names = [f"opening_with_circles ({spec})" for spec in (CIRCLES, other)]
-    assert [cell.levels["agent"] for cell in cells][::2] == names
+    assert [cell.levels["agent"] for cell in cells][::4] == names
 
 
 def test_patients_are_played_in_parts_of_fifty_so_that_a_part_can_be_checked(tmp_path):
-    (cell,) = cells_of(["random"], tasks_named(["hinge-exact"]))
+    cell, _ = cells_of(["random"], tasks_named(["hinge-exact"]))
     parts = replace(cell, seeds=cell.seeds[:70]).parts(tmp_path)
     assert [(part.first, part.number) for part in parts] == [(50_000, 50), (50_050, 20)]
     assert len(cell.parts(tmp_path)) == 2
@@ -114,7 +151,7 @@ def test_an_agent_draws_by_the_place_of_its_part_and_not_by_the_worlds_seed(tmp_
         return real(entry, *more, **changes)
 
     monkeypatch.setattr(Entry, "play", heard)
-    (cell,) = cells_of(["random"], tasks_named(["hinge-exact"]))
+    cell, _ = cells_of(["random"], tasks_named(["hinge-exact"]))
     for seeds, folder in ((cell.seeds[:3], "a"), (cell.seeds[7:10], "b")):
         play_cells([replace(cell, seeds=seeds, size=2)], tmp_path / folder, Run(workers=1))
     assert told == [0, 2, 0, 2]
