@@ -164,7 +164,7 @@ PLAYING = [
             (f"seed {10**24} 4294967295", {"seed": 10**24}),
             ("seed one 4294967295", {"seed": "one"}),
             ("seed 3 1", {"seed": [1, 2, 3]}),
-            ("seed -2 4294967295", {"seed": [-2]}),
+            ("seed -2 9223372036854775807", {"seed": [-2]}),
             ("cohort nobody allowed", {"env_kwargs": {"cohort": "nobody"}}),
             ("env_kwargs 5 allowed", {"env_kwargs": 5}),
         )
