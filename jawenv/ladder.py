@@ -1,4 +1,4 @@
-"""The ladder of models, from a hinge with one muscle to two condyles, as the thesis of Young (2016) climbs it.
+"""The ladder of models, from a hinge with one muscle to their portions, as the thesis of Young (2016) climbs it.
 
 All models share device, sensors, filter, rewards and rendering. They differ in which muscles have a stiffness of their
 own, which coordinates can move, and in the *plant*: the mechanics of the true jaw, which the filter may know only
@@ -16,8 +16,7 @@ from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
 from jawenv.base.errors import not_among
 from jawenv.mechanics.building import ALL_FREE
 
-Plant = Literal["midline", "contact", "bilateral"]
-Estimator = Literal["midline", "bilateral"]
+Plant = Literal["midline", "contact"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,7 @@ class Model:
     """Which of x, y, theta, psi, alpha can move in the filter's model, and in the midline plant."""
     plant: Plant
     """Mechanics of the truth: ``midline`` (one point on the fossa, compiled, the filter's own), ``contact`` (planar
-    rigid body with contact and friction, pymunk), ``bilateral`` (two compliant condyles).
+    rigid body with contact and friction, pymunk).
     """
     shows: str  # what the model can show
     hides: str  # what it cannot
@@ -40,16 +39,6 @@ class Model:
     def env_id(self) -> str:
         """Gymnasium's id."""
         return f"jawenv/{self.title}-v3"
-
-    @property
-    def estimator(self) -> Estimator:
-        """The mechanics that the filter believes in; contact and friction are too rough to have a derivative."""
-        return "bilateral" if self.plant == "bilateral" else "midline"
-
-    @property
-    def estimators(self) -> tuple[Estimator, ...]:
-        """The mechanics that a filter may be given: its own, and one point on the fossa, as a wrong belief."""
-        return ("bilateral", "midline") if self.estimator == "bilateral" else ("midline",)
 
     @property
     def muscles(self) -> MuscleSet:
@@ -106,15 +95,6 @@ MODELS: Mapping[str, Model] = MappingProxyType(
                 "midline",
                 "how far the portions of one muscle can be told apart",
                 "the midline point resists no roll",
-            ),
-            Model(
-                "bilateral",
-                "JawBilateral",
-                "whole",
-                ALL_FREE,
-                "bilateral",
-                "two condyles on discs that press, slide and lift off: what the midline model neglects",
-                "the shape of the discs, cant of the fossae, ligaments",
             ),
         )
     }

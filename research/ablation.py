@@ -2,11 +2,10 @@
 
 Each row leaves one of them out, and is run by a process of its own that compiles the filter so. A cell is the mean
 NEES over the number of parameters, with its 95 % interval over patients, and the largest of a patient. Prints a table
-in Markdown; takes some minutes for each row. Two tables more are of what is there for a jaw on two discs, and of what
-lasts: errors of the model at a pose, with a scan's anatomy or beside a disturbance with memory.
+in Markdown; takes some minutes for each row. A second table is of what lasts: errors of the model at a pose, with a
+scan's anatomy or beside a disturbance with memory.
 
     python -m research.ablation --patients 64 --seed 6000
-    python -m research.ablation --patients 64 --seed 6000 --table discs
     python -m research.ablation --patients 24 --seed 6000 --table lasting
 """
 
@@ -167,15 +166,6 @@ ROWS = (
     _Variant("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
     _Variant("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
 )
-BODY_ROWS = (
-    _Variant("the filter as it is"),
-    _Variant("learning from ticks that are not resolved", {"readings.screening.ROUGH": 1e9}),
-    _Variant(
-        "no impulse on the discs", {"updates.time_update.MISSED_CHANGE": 0.0, "updates.time_update.MISSED_NOISE": 0.0}
-    ),
-    _Variant("ten ticks in place of five until something is learnt", {"tick.SETTLING_TICKS": 10}),
-    _Variant("no tick until something is learnt", {"tick.SETTLING_TICKS": 0}),
-)
 CELLS = (
     _Scenario("open_and_hold", "targets", "severe"),
     _Scenario("opening_with_swings_and_fore_aft", "force"),
@@ -188,14 +178,6 @@ CELLS = (
     _Scenario("random", "targets", "one_sided"),
     _Scenario("biting", "force"),
     _Scenario("biting", "trajectory"),
-)
-BODY = "jawenv/JawBilateral-v3"
-BODY_CELLS = (
-    _Scenario("corners", "force", env_id=BODY),
-    _Scenario("corners", "trajectory", "wide", BODY),
-    _Scenario("hold_still", "targets", env_id=BODY),
-    _Scenario("slow_opening", "targets", env_id=BODY),
-    _Scenario("refined", "targets", env_id=BODY),
 )
 LASTING_ROWS = (
     _Variant("the filter as it is"),
@@ -212,7 +194,7 @@ LASTING_CELLS = (
     _Scenario("refined", "targets", device=HALF),
     _Scenario("open_and_hold", "targets", seconds=300.0),
 )
-TABLES = {"point": (ROWS, CELLS), "discs": (BODY_ROWS, BODY_CELLS), "lasting": (LASTING_ROWS, LASTING_CELLS)}
+TABLES = {"point": (ROWS, CELLS), "lasting": (LASTING_ROWS, LASTING_CELLS)}
 
 
 def measure(row: _Variant, cells: tuple[_Scenario, ...], patients: int, seed: int) -> list[list[float]]:

@@ -229,7 +229,6 @@ def jaws(arguments):
     filters = {
         "one point": {"knowledge": "exact"},
         "one point, imaged": {"knowledge": "imaged", "device": {"unmodelled_time_s": 0.5}},
-        "two condyles": {"knowledge": "exact", "model": "bilateral"},
     }
     for (title, kwargs), name, (jaw, plant) in product(filters.items(), (RICH, PLAIN), plants.items()):
         sample = beliefs(load_agent(name), arguments, **kwargs, plant=plant)

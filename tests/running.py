@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import newton_euler as twin
 import numpy as np
-import two_condyles
 
 from jawenv.filter.belief.state import begin_belief, begin_motion, shared_columns
-from jawenv.filter.model.encoders import expect
+from jawenv.filter.model.encoders import measure
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.lasting import add_lasting_noise
 from jawenv.filter.readings.screening import is_resolved
@@ -72,8 +71,8 @@ class Running:
         return update_motion(self.record.jaw, self.belief, measured, used, float(self.resolved), self.settings, scratch)
 
     def expected(self):
-        """(12,) readings to expect."""
-        expect(
+        """(12,) readings to measure."""
+        measure(
             self.record.jaw, self.belief["motion"], self.scratch["update"]["rows"], self.scratch["update"]["expected"]
         )
         return self.scratch["update"]["expected"].copy()
@@ -135,11 +134,9 @@ def line_wrenches(jaw, basis, place, R, *shared):
 def gain_columns(running, before, trend):
     """Two wrenches (6,): ``trend`` changed so that a jaw at rest half way from ``before`` stays; of its acceleration.
 
-    By a force at the mouthpiece that is tangential to the fossa, and a moment; with two condyles neither.
+    By a force at the mouthpiece that is tangential to the fossa, and a moment.
     """
     jaw, unknown = running.record.jaw, np.zeros((5, 6))
-    if jaw["condyles"] == 2:
-        return trend, np.zeros(6)
     pose = 0.5 * (before + running.led(before))[:5]
     tangents = np.array([[1.0, 0.0, twin.fossa(jaw, pose[0])[1]], [0.0, 1.0, 0.0]])
     unknown[:2, :3], unknown[2:, 3:] = tangents @ twin.rotation(pose), np.eye(3)
@@ -157,8 +154,6 @@ def gain_columns(running, before, trend):
 def half_way(jaw, before, after):
     """The reference point's place and the rotation half way between two states."""
     q = 0.5 * (before + after)
-    if len(q) == 12:
-        return q[:3], twin.rotation(two_condyles.five(q[:6]))
     return twin.contact(jaw, q[:5]), twin.rotation(q[:5])
 
 
@@ -177,14 +172,4 @@ def coasted(state, dt):
 
 def rows_of(jaw, state):
     """(12, n) derivative of the readings by the state, by the complex step."""
-    if len(state) == 10:
-        return twin.derivative(lambda s: twin.measurement(jaw, s), state)
-    return twin.derivative(lambda s: body_measurement(jaw, s), state)
-
-
-def body_measurement(jaw, state):
-    """The readings of a jaw with two condyles, whose reference point has three coordinates of its own."""
-    q, u = state[:6], state[6:]
-    R = twin.rotation(two_condyles.five(q))
-    arm = jaw["mouthpiece"]
-    return np.concatenate([q[:3] + R @ arm, q[3:], u[:3] + R @ np.cross(u[3:], arm), u[3:]])
+    return twin.derivative(lambda s: twin.measurement(jaw, s), state)

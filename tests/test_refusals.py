@@ -125,7 +125,6 @@ LABORATORY = [
     ("read", lambda: motion_from_pose(build_jaw(), BLIND, SD, np.zeros(10), FREE)),
     ("measured shape", lambda: motion_from_pose(build_jaw(), NOTHING[:, :6], SD, np.zeros(10), FREE)),
     ("start_mean shape", lambda: motion_from_pose(build_jaw(), NOTHING, SD, np.zeros(12), np.ones(12))),
-    ("condyles", lambda: motion_from_pose(build_jaw(condyles=2), NOTHING, SD, np.zeros(10), FREE)),
     ("read", lambda: balance_of(replace(hinge(), measured=BLIND[:1].repeat(len(hinge().measured), 0)))),
     ("rows five allowed", lambda: balance_of(hinge(), rows="five")),
     ("smoothing_s 1000 allowed", lambda: balance_of(hinge(), smoothing_s=1e3)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from drawing_style import BLUE, GREY, INK, ORANGE, PINK, RED, canvas
+from drawing_style import BLUE, GREY, INK, PINK, RED, canvas
 from matplotlib.figure import Figure
 
 from jawenv.device.comfort_settings import Comfort
@@ -99,71 +99,4 @@ def equilibrium() -> Figure:
     slide.set(title="The condyle slides as the jaw opens", ylabel="x of the condyle (mm)", ylim=(0, 15))
     slide.set(xlabel="opening at the incisors (mm)")
     figure.legend(*pull.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    return figure
-
-
-def midline_rests(wrenches: np.ndarray) -> np.ndarray:
-    """Poses (n, 5) of the midline model at rest under wrenches (n, 6) that grow, by Newton's method from the last."""
-    from scipy.optimize import root
-
-    jaw, log_parameters = build_jaw(), np.log(np.tile([4.0, 10.0], 6))
-    pose, units, rows = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.array([1e-3, 1e-3, 0.1, 0.1, 0.1]), []
-    muscles, scratch = np.exp(log_parameters).reshape(6, 2), np.zeros(1, dtype=linear_dtype(6))[0]
-    settle(jaw, muscles, pose, 0.0, False, scratch, np.empty((5, 5)), np.empty(5))
-    for wrench in wrenches:
-
-        def left_over(scaled: np.ndarray, wrench: np.ndarray = wrench) -> np.ndarray:
-            # Scaled to size: where there is no rest the search may run away.
-            return acceleration(jaw, np.clip(scaled * units, -1, 1), np.zeros(5), log_parameters, wrench)
-
-        # An exact zero, where rounding left 1e-18: MINPACK's differences are relative.
-        found = root(left_over, np.round(pose / units, 12), tol=1e-13)
-        if np.abs(found.fun).max() > 1e-5:
-            break
-        pose = found.x * units
-        rows.append(pose)
-    rows += [np.full(5, np.nan)] * (len(wrenches) - len(rows))
-    return np.array(rows)
-
-
-def bilateral() -> Figure:
-    """Rest under a side force and under a roll moment: one point in the middle against two condyles on discs."""
-    from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral
-    from jawenv.mechanics.kinematics import split_body
-
-    jaw, muscles = build_jaw(), np.tile([4.0, 10.0], (6, 1))
-    figure, axes = canvas(9.6, 5.6, 2, 2, sharex="col", height_ratios=(1.3, 1.0))
-    for column, (index, most, sign, title, xlabel) in enumerate((
-        (1, 5.0, 1.0, "Side force to the left", "force at the mouthpiece (N)"),
-        (3, 1.5, 1.0, "Moment that rolls the jaw", "moment (N m)"),
-    )):  # fmt: skip
-        size = np.linspace(0, most, 41)
-        wrenches = np.zeros((len(size), 6))
-        wrenches[:, index] = sign * size
-        midline = midline_rests(wrenches)
-        poses, pressures = [], []
-        for wrench in wrenches:
-            state = np.empty(12)
-            put_on_fossa(jaw, midline[0], state)
-            found = settle_bilateral(jaw, muscles, tuple(wrench), state, np.empty((6, 6)), np.empty(6))
-            poses.append(state[3:6] if found else np.full(3, np.nan))
-            pressures.append(condyle_pressures(jaw, *split_body(state)) if found else (np.nan, np.nan))
-        two, press = np.degrees(poses), np.array(pressures)
-        one = np.degrees(midline[:, 2:])
-        turn, load = axes[column], axes[2 + column]
-        for number, name, colour in ((1, "yaw", BLUE), (2, "roll", RED)):
-            turn.plot(size, one[:, number], color=colour, ls=(0, (5, 2)), label=f"{name}, midline model")
-            turn.plot(size, two[:, number], color=colour, label=f"{name}, two condyles")
-        load.plot(size, press[:, 0], color=INK, label="left condyle")
-        load.plot(size, press[:, 1], color=ORANGE, ls=(0, (5, 2)), label="right condyle")
-        lifted = np.flatnonzero(press.min(axis=1) == 0.0)
-        if len(lifted):
-            for each in (turn, load):
-                each.axvspan(size[lifted[0]], most, color=ORANGE, alpha=0.12, lw=0)
-            load.text(size[lifted[0]] + 0.01 * most, 0.93, "right condyle lifted off", size=8, va="top",
-                      transform=load.get_xaxis_transform())  # fmt: skip
-        turn.set(title=title, ylabel="angle (degrees)", xlim=(0, most))
-        load.set(xlabel=xlabel, ylabel="force on the disc (N)", ylim=(0, None))
-    axes[1].legend(loc="upper left")
-    axes[2].legend(loc="lower left")
     return figure

@@ -24,7 +24,7 @@ for folder in (FOLDER, ROOT, ROOT / "tests", ROOT / "tests" / "validation"):
 
 from draw_anatomy import condyle_path, frames, muscle_law, muscle_lines  # noqa: E402
 from draw_motion import friction, integration, printed_equations  # noqa: E402
-from draw_rests import bilateral, equilibrium  # noqa: E402
+from draw_rests import equilibrium  # noqa: E402
 from drawing_style import STYLE  # noqa: E402
 
 FIGURES: dict[str, Callable[[], Figure]] = {
@@ -36,7 +36,6 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "equilibrium": equilibrium,
     "integration": integration,
     "friction": friction,
-    "bilateral": bilateral,
 }
 
 

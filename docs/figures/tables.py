@@ -132,7 +132,7 @@ _CLINICAL = {
     "healthy": "rests 2–4 mm open (R); opens 45 mm and more: 48.8 mm (140 adults, Zawawi 2003, M)",
     "trismus": "opens at most 35 mm (Dijkstra 2006, M) by own openers of 19–48 N (Otago 2022, M)",
     "severe": "opens at most 20–25 mm (van der Geer 2019, M)",
-    "one_sided": "no published group; the midline model, which resists no roll, opens further than two condyles do",
+    "one_sided": "no published group; the midline model, which resists no roll, opens further than two condyles would",
     "patchy": "no published group; by 18.5 N, the pull of patients' own openers, nine of ten open less than 35 mm",
     "blockage": "opens at most 35 mm with a soft start; no published group",
     "wide": "none: the spread is that of what is not known",
@@ -190,7 +190,6 @@ _CONSTANTS = (
         "Runge–Kutta steps of the true motion per tick, at least",
         "numerical",
     ),
-    ("jawenv.mechanics.bilateral", "BODY_STEP", 1e3, "ms", "step with two condyles", "numerical"),
     ("jawenv.mechanics.sagittal", "STEP", 1e3, "ms", "step in the plane", "numerical"),
     ("jawenv.mechanics.sagittal", "SEGMENT", 1e3, "mm", "segments of the fossa in the plane", "numerical"),
     ("jawenv.mechanics.sagittal", "ITERATIONS", 1, "1", "of the contact solver", "numerical"),
@@ -219,8 +218,6 @@ def ladder() -> str:
     for model in MODELS.values():
         muscles = model.muscles
         free = ", ".join(s for s, moves in zip(symbols, model.free, strict=True) if moves)
-        if model.estimator == "bilateral":
-            free = free.replace("$y$", "$y$, $z$")
         count = f"{len(muscles.muscle)} → {len(muscles)} → {len(muscles.parameter_names)}"
         rows.append((f"`{model.name}`", free, count, model.plant, model.shows, model.hides))
     head = ("model", "the filter's coordinates", "lines → muscles → parameters", "plant", "shows", "cannot show")

@@ -106,7 +106,6 @@ def _facts(env_id: str, spec: Any, model: Model) -> str:
         "Can show": SCAN if env_id == KNOWN_WITHIN_SDS else model.shows,
         "Cannot show": model.hides,
         "Mechanics of the truth": model.plant,
-        "Mechanics that the filter believes in": model.estimator,
         "Entry points": f"`{spec.entry_point}`, `{spec.vector_entry_point}`",
     }
     return "\n".join([f"| id | `{env_id}` |", "|---|---|", *(f"| {name} | {value} |" for name, value in rows.items())])

@@ -125,15 +125,6 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 _MEMORY,
             ),
             Task(
-                "bilateral-exact",
-                "Two condyles that press, slide and lift off",
-                "jawenv/JawBilateral-v3",
-                "trismus",
-                "exact",
-                56_000,
-                0.10,
-            ),
-            Task(
                 "jaw-asked",
                 "One muscle, drawn and told, in 10 s; above 0.03 s of discomfort a patient counts as not found",
                 "jawenv/Jaw-v3",

@@ -121,5 +121,5 @@ def _diagnose_command(
 
 def as_a_clinic(world: dict[str, Any]) -> dict[str, Any]:
     """Arguments of a world of whose patient nothing is known: a cohort that is named stays, an exact anatomy too."""
-    one_point = world.get("estimator") == "midline" or env_id_of(world["env"]) == DEFAULT_ENV
-    return {"cohort": "anyone"} | ({"knowledge": "bench"} if one_point else {}) | world
+    reference = env_id_of(world["env"]) == DEFAULT_ENV
+    return {"cohort": "anyone"} | ({"knowledge": "bench"} if reference else {}) | world

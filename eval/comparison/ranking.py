@@ -59,7 +59,6 @@ class Ranking:
     catalogue: Mapping[str, Figure]  # the figures of every row
     effects: dict[str, float]
     """Fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know."""
-    estimator: str  # mechanics that the filter believes in, if not the environment's own; else empty
     band: tuple[float, float]
     """In which 95 % of calibrated studies of this size have the mean NEES of all their entries (Bonferroni)."""
     asked: str = ""  # the muscles that are asked for, as the environment's argument; empty for all
@@ -89,7 +88,7 @@ class Ranking:
     @property
     def has_bound(self) -> bool:
         """Whether the bound holds: only for a filter with a true model."""
-        return not self.effects and not self.estimator
+        return not self.effects
 
     @property
     def n_parameters(self) -> int:
@@ -143,7 +142,6 @@ def rank(study: Results, reference: str | None = None, admission: AdmissionLimit
         admission=allowed,
         catalogue=catalogue | {difference.name: difference},
         effects=settings.get("reality") or {},
-        estimator=settings.get("estimator") or "",
         asked=settings.get("asked") or "",
         band=nees_band(number, parameters, 1.0 - 0.05 / len(rows)),
     )

@@ -106,7 +106,7 @@ def check_env(env_id: str) -> None:
     """Check that an environment has the six muscles that the page draws."""
     model = model_of_env(env_id)
     if model.muscles.names != MUSCLE_NAMES:
-        raise InputError(f"env is {env_id}; allowed: those with six closing muscles, Jaw and JawBilateral")
+        raise InputError(f"env is {env_id}; allowed: those with six closing muscles, Jaw and JawImaged")
 
 
 def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, Any], show_truth: bool) -> str:

@@ -15,7 +15,7 @@ from jawenv.base.files import FILE_TYPES, InputModel, Number, read_model
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.configuration import Sensors
-from jawenv.ladder import Estimator, env_id_of, title_of_env
+from jawenv.ladder import env_id_of, title_of_env
 from jawenv.playing.rollout import LARGEST_SEED
 from jawenv.reality import check_reality
 
@@ -46,10 +46,9 @@ class Choice(InputModel):
 
 
 class EnvironmentChoice(InputModel):
-    """An environment, and the mechanics of its filter."""
+    """An environment, and what its filter knows."""
 
     env: str  # its id, or as `jawenv.ladder.model_of_env` takes it
-    estimator: Estimator | None = None  # mechanics that the filter believes in; the environment's own by default
     knowledge: Literal["exact", "imaged"] | None = None
     """What the filter knows exactly; the environment's own level by default."""
     controls: tuple[Control, ...] | None = None  # control modes that it is played in; all of the study's by default
@@ -62,8 +61,7 @@ class EnvironmentChoice(InputModel):
     @property
     def name(self) -> str:
         """The name in tables."""
-        filters = f", {self.estimator} filter" if self.estimator else ""
-        return self.env + filters + (f", {self.knowledge}" if self.knowledge else "")
+        return self.env + (f", {self.knowledge}" if self.knowledge else "")
 
 
 class _Side(InputModel):

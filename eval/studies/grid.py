@@ -78,7 +78,6 @@ def _of_environment(design: Design, environment: EnvironmentChoice, trust: bool)
             "episode_s": design.episode_s,
             "env": environment.env,
             "reality": design.reality[reality],
-            "estimator": environment.estimator,
             **({"knowledge": environment.knowledge} if environment.knowledge else {}),
             "control_hz": hz,
         }

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
 from jawenv.device.device import Device
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.mechanics.dynamics import N_WRENCH, acceleration_kernel
 from jawenv.mechanics.kinematics import turning_axes
 from jawenv.recordings import defaults
@@ -123,7 +123,7 @@ def lead(
     wrenches = np.stack([wrench[:-2:2], wrench[1::2], wrench[2::2]], axis=1)
     rows, measured = np.zeros((N_MEASUREMENTS, states.shape[1])), np.zeros((ticks + 1, N_MEASUREMENTS))
     for k in range(ticks + 1):
-        expect(jaw, states[k], rows, measured[k])
+        measure(jaw, states[k], rows, measured[k])
     free = defaults.start_sd(jaw) > 0.0
     return Record(
         time=time,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from jawenv.analysis.path import MotionPath, path_of
 from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import JointScratch, predict_covariance, take_rows
-from jawenv.filter.model.encoders import expect
+from jawenv.filter.model.encoders import measure
 from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
@@ -54,7 +54,7 @@ def _update_covariance(jaw: Jaw, state, covariance, variances, used, scratch: Jo
 
     All readings at once: with S = H P H^T + R = L L^T and W = L^-1 H P, P <- P - W^T W. NaN where S has no factor.
     """
-    expect(jaw, state, scratch.rows, scratch.expected)
+    measure(jaw, state, scratch.rows, scratch.expected)
     take_rows(covariance, variances, used, scratch)
 
 

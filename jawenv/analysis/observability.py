@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from jawenv.analysis.path import MotionPath, path_of
 from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import JointScratch
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.model.joint_step import propagate
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
@@ -65,7 +65,7 @@ def _linearise_path(path: MotionPath, by_state, by_parameter, rows):
     n_states, parameters = states.shape[1], by_parameter.shape[2]
     state, trend = np.empty(n_states), np.zeros(N_WRENCH)
     for tick in range(rows.shape[0]):
-        expect(path.jaw, states[tick], scratch.rows, scratch.expected)
+        measure(path.jaw, states[tick], scratch.rows, scratch.expected)
         for i in range(rows.shape[1]):
             weight = path.used[tick, i] / np.sqrt(path.measurement_variance[i])
             for j in range(n_states):

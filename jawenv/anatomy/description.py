@@ -33,7 +33,6 @@ RANGES = MappingProxyType(
         "condyle_half_width_m": (0.005, 0.2),
         "disc_stiffness": (100.0, 1e7),
         "disc_damping": (0.0, 1e4),
-        "disc_onset": (0.01, 1000.0),
         "gravity": (0.0, 30.0),
         "drop_m": (5e-4, 0.02),
         "spatial_frequency": (50.0, 2000.0),

@@ -31,7 +31,6 @@ class Mandible(FrozenArrays):
     condyle_half_width_m: float  # from the midline to the centre of a condyle
     disc_stiffness: float  # N/m, of the disc and cartilage over one condyle, across the surface of the fossa
     disc_damping: float  # N s/m, of the same
-    disc_onset: float  # N; below half of it the disc's force grows with the square of its compression
     gravity: float  # m/s2
 
     def __post_init__(self) -> None:
@@ -39,7 +38,7 @@ class Mandible(FrozenArrays):
         super().__post_init__()
         for name, shape in _SHAPES.items():
             self._require_shape(name, shape)
-        for name in ("mass_kg", "tooth_stiffness", "condyle_half_width_m", "disc_stiffness", "disc_onset"):
+        for name in ("mass_kg", "tooth_stiffness", "condyle_half_width_m", "disc_stiffness"):
             if getattr(self, name) <= 0:
                 raise InputError(f"{name} is {getattr(self, name)}; allowed: numbers above 0")
         for name in ("damping_rotation", "damping_sliding", "disc_damping", "gravity", "closing_tone_N"):
@@ -70,7 +69,6 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "condyle_half_width_m": (),
     "disc_stiffness": (),
     "disc_damping": (),
-    "disc_onset": (),
     "gravity": (),
 }
 
@@ -93,7 +91,6 @@ def default_mandible() -> Mandible:
         condyle_half_width_m=float(quantities["condyle_half_width"].si()),
         disc_stiffness=float(quantities["disc_stiffness"].si()),
         disc_damping=float(quantities["disc_damping"].si()),
-        disc_onset=float(quantities["disc_onset"].si()),
         gravity=float(quantities["gravity"].si()),
     )
 

@@ -30,7 +30,7 @@ from jawenv.envs.argument_checks import check_choice, checked_flag, checked_numb
 from jawenv.envs.observation import Parts
 from jawenv.envs.registration import IMAGED
 from jawenv.envs.rewards import POTENTIALS
-from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, model_named, model_of_env
+from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, env_id_of, model_named, model_of_env
 from jawenv.reality import Reality, check_reality
 
 if TYPE_CHECKING:
@@ -96,11 +96,8 @@ class Configuration:
         None, "Effect that the filter does not know, as creep_share=0.3, or a file of them.", "FIELD=VALUE", "fields"
     )
     model: str = _argument("jaw", "Model of the jaw, which an environment's id names.")
-    estimator: Estimator | Literal["none"] | OwnEstimator | None = _argument(
-        None,
-        "Mechanics that the filter believes in, midline or bilateral; the environment's own by default.",
-        "NAME",
-        "value",
+    estimator: Literal["none"] | OwnEstimator | None = _argument(
+        None, "An estimator of the user's own, or none where nobody reads the belief; the filter by default."
     )
     knowledge: str | Knowledge | Source | None = _argument(
         None, "What the filter knows of anatomy and device: exact, imaged, bench, or a file of sds.", "NAME", "value"
@@ -177,21 +174,19 @@ class Configuration:
             raise InputError(f"comfort_budget_s is {self.comfort_budget_s:g}; {why}")
 
     def _check_estimator(self) -> None:
-        """The estimator is one of the model's, or the user's own."""
-        model = model_named(self.model)
-        names = (*model.estimators, NO_ESTIMATOR)
-        if self.estimator is not None and self._estimator_name() not in names and self.own_estimator is None:
-            allowed = f"{', '.join(names)}, or an object with the methods reset(start) and update(measured, samples)"
-            raise InputError(f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}")
+        """The estimator is the filter, the user's own or none."""
+        if self.estimator is not None and self.motion_only == (self.own_estimator is not None):
+            allowed = f"{NO_ESTIMATOR}, or an object with the methods reset(start) and update(measured, samples)"
+            raise InputError(f"estimator is {shown(self.estimator)}; allowed: {allowed}")
 
     def _check_exactness(self) -> None:
-        """Contacts, and a filter with two condyles, are of known anatomy and have a load cell."""
+        """Contacts are of known anatomy and have a load cell."""
         model = model_named(self.model)
-        if self.filter_model != "bilateral" and model.plant != "contact":
+        if model.plant != "contact":
             return
         if not self.build_knowledge().exact:
-            why = "its contacts are" if model.plant == "contact" else "its filter has two condyles, and is"
-            raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as {why} of known anatomy")
+            why = "as its contacts are of known anatomy"
+            raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, {why}")
         if self.force_sensor != "cell":
             raise InputError(f"force_sensor is {self.force_sensor!r}; allowed in {model.title}: 'cell'")
 
@@ -252,13 +247,9 @@ class Configuration:
         return Parts(len(self.muscles.parameter_names), self.asked is not None, self.comfort_budget_s is not None)
 
     @property
-    def filter_model(self) -> Estimator:
-        """The mechanics that the filter believes in."""
-        name = self._estimator_name()
-        return model_named(self.model).estimator if name is None or name == "none" else name
-
-    def _estimator_name(self) -> Estimator | Literal["none"] | None:
-        return self.estimator if isinstance(self.estimator, str) else None
+    def motion_only(self) -> bool:
+        """Whether the filter follows the motion alone, since nobody reads the belief."""
+        return isinstance(self.estimator, str) and self.estimator == NO_ESTIMATOR
 
     @property
     def own_estimator(self) -> OwnEstimator | None:

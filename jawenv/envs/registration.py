@@ -13,7 +13,6 @@ ENVIRONMENTS = {
     "jawenv/JawSides-v3": "sides",
     "jawenv/Jaw-v3": "jaw",
     "jawenv/JawPortions-v3": "portions",
-    "jawenv/JawBilateral-v3": "bilateral",
 }
 
 

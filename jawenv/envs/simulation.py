@@ -18,7 +18,7 @@ from jawenv.device.force_sensor import (
     sds_of_sensor,
     slack_force,
 )
-from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
+from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.world.kept_ticks import true_tick_dtype
 from jawenv.envs.world.record import settings_dtype, world_dtype
@@ -30,7 +30,7 @@ from jawenv.kernels.noise import Streams, philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
 from jawenv.mechanics.building import build_jaw, gravity_in_head
-from jawenv.mechanics.dynamics import N_BODY, N_STATES, N_WRENCH
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
 if TYPE_CHECKING:
     from jawenv.envs.moved_plants import MovedJaw, MovedPlants
@@ -62,20 +62,15 @@ class Simulation:
         self._slack_below = slack_force(configuration.force_sensor, device)
         self.reality = configuration.build_reality()
         own_plant = configuration.own_plant
-        filter_bilateral = configuration.filter_model == "bilateral"
-        bilateral = self.model.plant == "bilateral" and (own_plant is None or filter_bilateral)
-        self._jaw = build_jaw(
-            muscles, mandible, configuration.fossa, free=self.model.free, condyles=2 if bilateral else 1
-        )
-        self._known_condyles = 2 if filter_bilateral else 1
+        self._jaw = build_jaw(muscles, mandible, configuration.fossa, free=self.model.free)
         self.knowledge = configuration.build_knowledge()
         lasting = bool(self.device[0]["unmodelled_time"] > 0.0)
         self.nuisance_sds = self._directions(lasting)
         """One sd of each nuisance that the filter integrates out, in its order."""
-        states, disturbance = N_BODY if filter_bilateral else N_STATES, N_WRENCH if lasting else 0
-        sizes = len(muscles), len(muscles.muscle), states, len(self.nuisance_sds), disturbance
+        disturbance = N_WRENCH if lasting else 0
+        sizes = len(muscles), len(muscles.muscle), N_STATES, len(self.nuisance_sds), disturbance
         self.settings = self._build_settings(sizes)
-        self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
+        self.worlds = record_zeros(num_worlds, world_dtype(*sizes))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
         self._gravity = mandible.gravity
         config: Any = numba.config
@@ -173,11 +168,11 @@ class Simulation:
     def _set_filter(self, settings: Any) -> None:
         """Fill a record of dtype ``filter_settings_dtype``."""
         configuration = self.configuration
-        settings["motion_only"] = isinstance(configuration.estimator, str) and configuration.estimator == NO_ESTIMATOR
+        settings["motion_only"] = configuration.motion_only
         settings["used"] = used_readings(configuration.sensors)
         parts = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self.nuisance_sds, self._jaw
         noise = noise_of(configuration.build_device(), configuration.force_sensor, TICK)
-        sd = start_sd(self._jaw, self._known_condyles)
+        sd = start_sd(self._jaw)
         fill_settings(settings, Geometry(*parts, self.force_errors), noise, sd)
 
     def _set_disturbance(self, settings: Any) -> None:
@@ -288,7 +283,6 @@ class Simulation:
             anatomy_seed = patient.anatomy_seed
         self._jaw["gravity"] = gravity_in_head(self._gravity, tilt)
         self.models[index] = self._jaw
-        self.models["condyles"][index] = self._known_condyles
         truth = self.worlds["truth"][index]
         truth["jaw"], truth["log_parameters"] = self._jaw, log_parameters
         truth["no_cell"], truth["slack_below"] = self._motor_sds is not None, self._slack_below

@@ -1,26 +1,24 @@
 """The filter's work in one tick of the sensors, in an episode as in a record.
 
-``take`` does these in this order; each reads what those before it wrote. The last column names the row of
-``research.ablation`` that keeps it.
+``take`` does these in this order; each reads what those before it wrote.
 
-| # | step | reads | writes | row |
-|--:|---|---|---|---|
-| 1 | ``mark_frozen``, ``repair_samples`` | load cell | ``samples``, ``frozen``, ``wrench_variance`` | - |
-| 2 | ``add_tooth_noise`` | motion | ``wrench_variance`` | teeth whose force is certain |
-| 3 | ``add_lasting_noise`` | motion, its rates | ``wrench_variance`` | nothing wrong at a pose |
-| 4 | ``predict_motion`` | 1 to 3 | motion, covariance, derivative by tensions | muscle lines at constant rates |
-| 5 | ``follow_trend`` | 1 | ``trend``, ``smoothed`` | the gain's column as the cell reads |
-| 6 | ``correct_readings``, ``mark_usable`` | encoders, nuisances | ``scratch.measured``, ``used`` | - |
-| 7 | ``bite_of``, ``bite_read`` | 4, 6 | ``bite``: how near the teeth are | learning while teeth press |
-| 8 | ``weight_of_stay`` | 4 | ``weight``, visits of poses | every reading counts whole |
-| 9 | ``is_resolved`` | 1, 7 | whether anything is learnt | learning from ticks that are not resolved |
-| 10 | ``forget_motion`` | 7 | motion as encoders alone have it | learning while teeth press |
-| 11 | ``update_motion`` | 4 to 9 | motion, information, score, verdict of the gate | no gate |
-| 12 | ``add_to_block`` | innovations of 11 | the alarm's sums | - |
-| 13 | ``follow_friction`` | motion | shares of motors' friction | - |
+| # | step | reads | writes |
+|--:|---|---|---|
+| 1 | ``mark_frozen``, ``repair_samples`` | load cell | ``samples``, ``frozen``, ``wrench_variance`` |
+| 2 | ``add_tooth_noise`` | motion | ``wrench_variance`` |
+| 3 | ``add_lasting_noise`` | motion, its rates | ``wrench_variance`` |
+| 4 | ``predict_motion`` | 1 to 3 | motion, covariance, derivative by tensions |
+| 5 | ``follow_trend`` | 1 | ``trend``, ``smoothed`` |
+| 6 | ``correct_readings``, ``mark_usable`` | encoders, nuisances | ``scratch.measured``, ``used`` |
+| 7 | ``bite_of``, ``bite_read`` | 4, 6 | ``bite``: how near the teeth are |
+| 8 | ``weight_of_stay`` | 4 | ``weight``, visits of poses |
+| 9 | ``is_resolved`` | 1, 7 | whether anything is learnt |
+| 10 | ``forget_motion`` | 7 | motion as encoders alone have it |
+| 11 | ``update_motion`` | 4 to 9 | motion, information, score, verdict of the gate |
+| 12 | ``add_to_block`` | innovations of 11 | the alarm's sums |
+| 13 | ``follow_friction`` | motion | shares of motors' friction |
 
-``filter_tick`` then learns, and filters all readings again, where a window ends or a reading surprises ("early readings
-not filtered again", "surprises do not renew the belief").
+``filter_tick`` then learns, and filters all readings again, where a window ends or a reading surprises.
 """
 
 from __future__ import annotations
@@ -58,10 +56,6 @@ from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 
-# Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
-# disc force, which is not separable from muscle tension until the motion's covariance has settled. Five suffice, and
-# of ten the first moments of a quick opening are missed, which tell parameters apart that later ones leave alike.
-SETTLING_TICKS = 5
 # At the ends of windows of so many readings, each twice as long as the one before, all readings are filtered again,
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
 FIRST_WINDOW, LAST_WINDOW = 5, 20480
@@ -163,9 +157,8 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         if sees:
             bite = max(bite, bite_read(jaw, scratch.measured, NEAR))
         weight = weight_of_stay(jaw, belief, settings)
-        settling = SETTLING_TICKS if jaw.condyles == 2 else 0
-        resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0, settling)
-        if sees and belief.near > settling:
+        resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0)
+        if sees and belief.near > 0:
             forget_motion(jaw, belief, scratch.before, settings.start_sd)
     scratch.verdict = EXPECTED
     if scratch.used.any():
@@ -177,9 +170,6 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
             add_to_block(jaw, belief, scratch.update)
     if tick > 0:
         follow_friction(jaw, belief, settings, scratch.time)
-    if jaw.condyles == 2 and tick < SETTLING_TICKS:
-        belief.score[:] = 0.0
-        belief.information[:, :] = 0.0
     return left_out
 
 

@@ -25,7 +25,7 @@ def log_likelihood(record: Record, theta: ArrayLike) -> Array:
     It is of the model that the filter believes in, so it knows nothing of ``reality`` and of pymunk's contacts; where
     the filter loses the motion, as it may with ``sensors="point"``, the value means nothing. Where a stiff jaw's ticks
     are divided, on the teeth for one, the number of parts depends on the parameters, and the likelihood jumps by some
-    hundredths of a nat; with two condyles by up to 2 nats, and its peak may be several sds from the truth.
+    hundredths of a nat.
 
     Args:
         record: T ticks of p parameters; its truth, states and prior are not read.

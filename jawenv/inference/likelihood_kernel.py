@@ -11,7 +11,7 @@ from math import log, pi
 import numpy as np
 
 from jawenv.filter.bound.joint_recursion import JointScratch, innovation_variance
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
@@ -22,7 +22,7 @@ from jawenv.references.extended_kalman_kernel import Problem, predict_plain
 def take_readings(problem: Problem, tick, mean, covariance, scratch: JointScratch):
     """Measurement update with the encoders' readings of a time; returns the log-density of their innovations."""
     size = mean.shape[0]
-    expect(problem.jaw, mean, scratch.rows, scratch.expected)
+    measure(problem.jaw, mean, scratch.rows, scratch.expected)
     for j in range(size):
         scratch.shift[j] = 0.0
     density = 0.0

@@ -44,13 +44,9 @@ OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba
 MADE_OF = "made_of"  # attribute of a kernel's part: the functions that it stands for, and names of ``APART``
 APART = frozenset(
     {
-        "jawenv.envs.world.two_condyles",
-        "jawenv.filter.model.body_step",
         "jawenv.filter.nuisances.changed_jaw",
         "jawenv.filter.nuisances.changes",
         "jawenv.filter.nuisances.without_cell",
-        "jawenv.mechanics.bilateral",
-        "jawenv.mechanics.bilateral_linear",
     }
 )
 """Modules of kernels that are loaded only where a model needs them (``compiled.where``): digests read their text."""

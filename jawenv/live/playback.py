@@ -6,7 +6,6 @@ import numpy as np
 
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.session import Shown
-from jawenv.mechanics.dynamics import N_BODY
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import rotation
 from jawenv.metrics.precision import time_to
@@ -71,7 +70,7 @@ class Playback:
             muscle_tension_N=np.array(tensions),
             contact_m=contact,
             rotation=body_to_head,
-            plant="bilateral" if len(record.start_mean) == N_BODY else "midline",
+            plant="midline",
             slides=bool(record.start_sd[0] > 0.0),
             condyle_half_width_m=float(jaw["condyle_half_width"]),
             fossa_drop_m=float(jaw["fossa_drop"]),

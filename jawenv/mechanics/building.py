@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, radians, sin
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,6 @@ def build_jaw(
     *,
     head_tilt_deg: float = 0.0,
     free: Sequence[bool] = ALL_FREE,
-    condyles: Literal[1, 2] = 1,
 ) -> Any:
     """Gather anatomy into the record that the kernels read.
 
@@ -38,8 +37,6 @@ def build_jaw(
         head_tilt_deg: Pitch of the head, positive looking down; turns gravity in head axes (degrees).
         free: Which of x, y, theta, psi, alpha can move; the others stay where they are. Rotations about axes other
             than theta's must be free both or none, for angles to stay put when their angular velocity does.
-
-        condyles: 1 for the midline model, 2 for that of ``bilateral``.
 
     Returns:
         A ``numpy`` record of dtype ``jaw_dtype(number of lines)``.
@@ -56,12 +53,10 @@ def build_jaw(
     jaw["mass"] = mandible.mass_kg
     jaw["centre_of_mass"] = rho
     jaw["inertia"] = inertia
-    jaw["inertia_inverse"] = np.linalg.inv(inertia)
     # Body axes 1, 2, 3 turn roll, pitch and yaw.
     turns = np.flatnonzero([free[4], free[2], free[3]])
     jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
     jaw["free_x"], jaw["free_y"] = free[0], free[1]
-    jaw["condyles"] = condyles
     jaw["tone"] = mandible.closing_tone_N * muscles.whole_muscles_per_line
     jaw["gravity"] = gravity_in_head(mandible.gravity, head_tilt_deg)
     jaw["fossa_drop"] = fossa.drop_m
@@ -73,7 +68,6 @@ def build_jaw(
     jaw["condyle_half_width"] = mandible.condyle_half_width_m
     jaw["disc_stiffness"] = mandible.disc_stiffness
     jaw["disc_damping"] = mandible.disc_damping
-    jaw["disc_onset"] = mandible.disc_onset
     jaw["stop_width"] = STOP_WIDTH
     jaw["crest"] = fossa.crest_m
     jaw["teeth"] = mandible.teeth_m

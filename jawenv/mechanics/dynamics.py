@@ -9,9 +9,6 @@ contact point with arms measured from it:
 with a_c = S u_t' + z'' x'^2 e_z + C^T (omega' x rho + omega x (omega x rho)). The normal force never appears, and
 nothing is divided by a speed or by the slope of the fossa. The device's wrench (force and moment at the mouthpiece) is
 given in body axes, as the load cell in the mouthpiece feels it.
-
-``linearise`` and what comes after it are of this model or of the one with two condyles (``bilateral_linear``). Which
-one follows from the types' number of coordinates; the other is neither compiled nor loaded.
 """
 
 from __future__ import annotations
@@ -21,15 +18,14 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.kernels.compiled import njit, njit_inlined, njit_within, where
+from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, row3, scale, sin_cos, subtract, vector3
 from jawenv.mechanics.forces import resultant, resultant_with_stiffness
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, split, split_body, turning_axes
+from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
 
 N_STATES = 10
-N_BODY = 12  # of a jaw with two condyles (``bilateral``)
 N_WRENCH = 6
 REST_TOLERANCE = 1e-9  # rad/s2 or m/s2, left over at equilibrium
 
@@ -50,7 +46,7 @@ def linear_dtype(n_lines: int, n_states: int = N_STATES, n_muscles: int = 0) -> 
 
     Args:
         n_lines: of the jaw.
-        n_states: 10, or 12 for two condyles.
+        n_states: of the motion.
         n_muscles: by whose parameters is differentiated; 0 for none.
     """
     half = n_states // 2
@@ -294,26 +290,10 @@ def _fill_angle_rate_derivatives(q, omega, by_angle):
     by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
 
 
-@where(lambda q: len(q) < N_BODY // 2, otherwise="jawenv.mechanics.bilateral_linear.linearise_body")
-def linearise(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
-    """``linearise_acceleration`` or ``linearise_body``, whichever is for as many coordinates."""
-    return linearise_acceleration(jaw, muscles, q, u, wrench, linear)
-
-
 @njit_within
 def linearised_rate(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """(q', u') as two tuples, and into ``linear`` (``linear_dtype``) its derivatives."""
-    acceleration = linearise(jaw, muscles, q, u, wrench, linear)
-    pose, omega = (q[0], q[1], q[-3], q[-2], q[-1]), (u[-3], u[-2], u[-1])
-    _fill_angle_rate_derivatives(pose, omega, linear.by_angle)
-    return u[:-3] + angle_rates(pose, omega), acceleration
-
-
-def _split_body(state, linear: Linear):
-    return split_body(state)
-
-
-@where(lambda linear: linear.typeof("by_state").shape[1] < N_BODY, otherwise=_split_body)
-def motion_of(state, linear: Linear):
-    """``state`` (10 or 12 numbers) as the tuples q and u of the model that ``linear`` is made for."""
-    return split(state)
+    acceleration = linearise_acceleration(jaw, muscles, q, u, wrench, linear)
+    omega = (u[2], u[3], u[4])
+    _fill_angle_rate_derivatives(q, omega, linear.by_angle)
+    return u[:2] + angle_rates(q, omega), acceleration

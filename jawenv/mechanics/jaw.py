@@ -23,10 +23,8 @@ class Jaw:
     mass: float
     centre_of_mass: Annotated[Array, 3]
     inertia: Annotated[Array, 3, 3]  # about the centre of mass
-    inertia_inverse: Annotated[Array, 3, 3]
     # About the contact point, I - m [rho_c]x [rho_c]x: inverse of the block of the free rotations, zeros elsewhere.
     inertia_contact_inverse: Annotated[Array, 3, 3]
-    condyles: np.uint8  # 1: their midpoint slides on the path; 2: each presses on its own disc
     free_x: bool
     free_y: bool
     gravity: Annotated[Array, 3]  # acceleration in head axes
@@ -37,9 +35,8 @@ class Jaw:
     tooth_stiffness: float
     condyle_stiffness: float
     condyle_half_width: float  # the condyles' centres lie at (0, +-it, 0) in body axes
-    disc_stiffness: float  # of each condyle's disc
+    disc_stiffness: float  # of each condyle's disc, of MuJoCo's jaw
     disc_damping: float
-    disc_onset: float
     stop_width: float
     crest: float  # x of the eminence's crest, where the anterior stop begins
     teeth: Annotated[Array, N_TEETH, 3]

@@ -3,8 +3,8 @@
 Coordinates q = (x, y, theta, psi, alpha): contact point forward and left (m), pitch (opening), yaw, roll (rad).
 Speeds u = (x', y', omega_1, omega_2, omega_3): contact point (m/s) and angular velocity in body axes (rad/s).
 The contact point is r_* = (x, y, d (cos f x - 1)), Young (2016), eq. 4.3; the rotation C of Young's eqs. 4.9-4.13
-takes head axes to body axes, and its transpose is what the kernels carry. A jaw with two condyles is a free body:
-q = (x, y, z, theta, psi, alpha) and u = (x', y', z', omega) of the midpoint between them (``bilateral``).
+takes head axes to body axes, and its transpose is what the kernels carry. A free mandible, as own plants move it, has
+q = (x, y, z, theta, psi, alpha) and u = (x', y', z', omega) of the midpoint between its condyles.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from jawenv.kernels.compiled import njit, njit_inlined
-from jawenv.kernels.vec3 import Matrix, Vector, add, apply, cross, sin_cos
+from jawenv.kernels.vec3 import Matrix, Vector, sin_cos
 from jawenv.mechanics.jaw import Jaw
 
 Five: TypeAlias = tuple[float, float, float, float, float]
@@ -73,33 +73,11 @@ def split(state):
 
 
 @njit
-def split_body(state):
-    """State array (12 or more) as the tuples q and u."""
-    return (
-        (state[0], state[1], state[2], state[3], state[4], state[5]),
-        (state[6], state[7], state[8], state[9], state[10], state[11]),
-    )
-
-
-@njit
-def midline_pose(q):
-    """The five coordinates (x, y, theta, psi, alpha) of the midline model."""
-    return (q[0], q[1], q[3], q[4], q[5])
-
-
-@njit
 def midline_motion(jaw: Jaw, q, u):
     """The motion in the midline model's coordinates, and the lift, which that model lacks.
 
     Returns (x, y, theta, psi, alpha), (x', y', omega), the lift of the midpoint above the path of the fossa (m) and its
-    rate (m/s). Pressed discs give a positive lift.
+    rate (m/s).
     """
     height, slope, _, _ = fossa(jaw, q[0])
-    return midline_pose(q), (u[0], u[1], u[3], u[4], u[5]), q[2] - height, u[2] - slope * u[0]
-
-
-@njit
-def point_motion(q, u, body_to_head, arm):
-    """Place (m) and velocity (m/s), head axes, of the body's point ``arm`` (m, body axes)."""
-    point = add((q[0], q[1], q[2]), apply(body_to_head, arm))
-    return point, add((u[0], u[1], u[2]), apply(body_to_head, cross((u[3], u[4], u[5]), arm)))
+    return (q[0], q[1], q[3], q[4], q[5]), (u[0], u[1], u[3], u[4], u[5]), q[2] - height, u[2] - slope * u[0]

@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 Row: TypeAlias = list[float]
 Six: TypeAlias = tuple[float, float, float, float, float, float]
 BodyMotion: TypeAlias = tuple[Six, Six]
-"""Coordinates and speeds of a free mandible, (q, u) of ``jawenv.mechanics.bilateral``."""
+"""Coordinates and speeds of a free mandible, (q, u) of ``jawenv.mechanics.kinematics``."""
 
 SKEW = 1e-6  # of a rotation that rounding explains
 STEEPEST_YAW = 0.99  # sine: the Euler angles end at 1

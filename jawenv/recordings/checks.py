@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError, shown
-from jawenv.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion
+from jawenv.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_MOTION, TRUE_WRENCH, Column
 from jawenv.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
@@ -21,16 +21,11 @@ DIGITS = 9
 """After the point: nobody writes more."""
 
 
-def check_columns(table: RecordTable, size: int) -> None:
-    """Every column is known and finite, and the load cell is there, in one of its two forms.
-
-    Args:
-        table: as read.
-        size: number of the states (q, u) of the model.
-    """
+def check_columns(table: RecordTable) -> None:
+    """Every column is known and finite, and the load cell is there, in one of its two forms."""
     allowed_names = [
         TIME,
-        *(column.name for column in (*ENCODERS, *READINGS, *SAMPLES, *true_motion(size), *TRUE_WRENCH)),
+        *(column.name for column in (*ENCODERS, *READINGS, *SAMPLES, *TRUE_MOTION, *TRUE_WRENCH)),
     ]
     for name in table.columns:
         if name not in allowed_names:
@@ -38,7 +33,7 @@ def check_columns(table: RecordTable, size: int) -> None:
             raise InputError(f"{table.path}: column {shown(name)} is unknown; allowed: {allowed} (docs/recordings.md)")
     form = SAMPLES if any(column.name in table.columns for column in SAMPLES) else READINGS
     groups: list[tuple[Column, ...]] = [form]
-    groups += [group for group in (tuple(true_motion(size)), TRUE_WRENCH) if has_any(table, group)]
+    groups += [group for group in (TRUE_MOTION, TRUE_WRENCH) if has_any(table, group)]
     for group in groups:
         for column in group:
             if column.name not in table.columns:
@@ -50,7 +45,7 @@ def check_columns(table: RecordTable, size: int) -> None:
         raise InputError(
             f"{table.path}: column {duplicate!r} beside three readings per tick; allowed: one of the two forms"
         )
-    for column in (*ENCODERS, *form, *true_motion(size), *TRUE_WRENCH):
+    for column in (*ENCODERS, *form, *TRUE_MOTION, *TRUE_WRENCH):
         bad = np.flatnonzero(np.isinf(table.columns.get(column.name, np.zeros(0))))
         if len(bad):
             raise table.fail(column.name, int(bad[0]), "infinite", "a finite number")

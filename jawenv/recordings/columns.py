@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import degrees
 
-from jawenv.mechanics.dynamics import N_STATES
-
 TIME = "time_s"
 AXES = ("x", "y", "z")
 ANGLES = ("pitch", "yaw", "roll")
@@ -60,12 +58,10 @@ def _wrench(prefix: str, field: str, moment: int | None) -> list[Column]:
     return columns
 
 
-def true_motion(n_states: int) -> list[Column]:
-    """Columns of a simulated motion; ``n_states`` 10 of the midline model, 12 of two condyles."""
-    axes = AXES[:2] if n_states == N_STATES else AXES
-    names = [(f"true_condyle_{axis}_mm", MM) for axis in axes]
+def _true_motion() -> list[Column]:
+    names = [(f"true_condyle_{axis}_mm", MM) for axis in AXES[:2]]
     names += [(f"true_{angle}_deg", DEG) for angle in ANGLES]
-    names += [(f"true_condyle_velocity_{axis}_mm_s", MM) for axis in axes]
+    names += [(f"true_condyle_velocity_{axis}_mm_s", MM) for axis in AXES[:2]]
     names += [(f"true_angular_velocity_{axis}_deg_s", DEG) for axis in AXES]
     description = "true motion of a simulated jaw"
     return [Column(name, "states", (i,), scale, description) for i, (name, scale) in enumerate(names)]
@@ -76,4 +72,5 @@ READINGS = tuple(_wrench("", "reading", None))
 """One load-cell reading per row, as most benches have it."""
 SAMPLES = tuple(column for moment in range(3) for column in _wrench("", "samples", moment))
 """Three load-cell readings per tick, as the simulated device has them."""
+TRUE_MOTION = tuple(_true_motion())
 TRUE_WRENCH = tuple(column for moment in range(3) for column in _wrench("true_", "wrenches", moment))

@@ -12,11 +12,11 @@ from jawenv.base.numeric_fields import real_number
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
 from jawenv.envs.configuration import Configuration
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.readings import least_noise
 from jawenv.ladder import MODELS, Model, model_named
 from jawenv.mechanics.building import build_jaw, gravity_in_head
-from jawenv.mechanics.dynamics import N_BODY, N_STATES
+from jawenv.mechanics.dynamics import N_STATES
 
 Array = NDArray[np.float64]
 
@@ -46,19 +46,13 @@ def geometry_of(configuration: Configuration, head_tilt_deg: float = 0.0) -> Any
         configuration.mandible,
         configuration.fossa,
         free=model_named(configuration.model).free,
-        condyles=2 if configuration.filter_model == "bilateral" else 1,
         head_tilt_deg=tilt,
     )
 
 
-def matching_models(parameter_names: tuple[str, ...], size: int) -> list[Model]:
-    """Models with these parameters and a motion of ``size`` numbers; the reference first where it is among them."""
-    condyles = "bilateral" if size == N_BODY else "midline"
-    return [
-        model
-        for model in MODELS.values()
-        if model.muscles.parameter_names == parameter_names and model.estimator == condyles
-    ]
+def matching_models(parameter_names: tuple[str, ...]) -> list[Model]:
+    """Models with these parameters."""
+    return [model for model in MODELS.values() if model.muscles.parameter_names == parameter_names]
 
 
 def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
@@ -108,15 +102,8 @@ def cell_sd(device: Device, force_sensor: ForceSensor = "cell") -> Array:
     return sd
 
 
-def motion_size(jaw: Any) -> int:
-    """Number of states (q, u) of a jaw's model."""
-    return N_BODY if jaw["condyles"] == 2 else N_STATES
-
-
 def start_sd(jaw: Any) -> Array:
-    """(n,) sd of a motion of which nothing is known; 0 where the model holds a coordinate."""
-    if jaw["condyles"] == 2:
-        return np.repeat([POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], 3)
+    """(10,) sd of a motion of which nothing is known; 0 where the model holds a coordinate."""
     turns = float(jaw["inertia_contact_inverse"][2, 2]) > 0.0  # yaw and roll are free both or none
     places = [float(jaw["free_x"]), float(jaw["free_y"])]
     free = np.array([*places, 1.0, turns, turns, *places, turns, 1.0, turns])
@@ -134,15 +121,14 @@ def motion_of_reading(jaw: Any, measured: Array, sd: Array) -> Array:
         sd: (12,) noise of the encoders.
 
     Returns:
-        (n,) motion (q, u). What the reading does not show stays near the closed jaw at rest.
+        (10,) motion (q, u). What the reading does not show stays near the closed jaw at rest.
     """
-    size = motion_size(jaw)
-    rows, expected = np.zeros((N_MEASUREMENTS, size)), np.zeros(N_MEASUREMENTS)
+    rows, expected = np.zeros((N_MEASUREMENTS, N_STATES)), np.zeros(N_MEASUREMENTS)
     spread = start_sd(jaw)
     free, read = spread > 0.0, np.isfinite(measured)
-    mean = np.zeros(size)
+    mean = np.zeros(N_STATES)
     for _ in range(FIT_STEPS):
-        expect(jaw, mean, rows, expected)
+        measure(jaw, mean, rows, expected)
         weighted = rows[np.ix_(read, free)] / sd[read, None]
         innovation = (measured[read] - expected[read]) / sd[read]
         normal = weighted.T @ weighted + np.diag(spread[free] ** -2.0)

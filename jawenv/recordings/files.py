@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration
-from jawenv.mechanics.dynamics import N_BODY, N_STATES
+from jawenv.mechanics.dynamics import N_STATES
 from jawenv.recordings import defaults
 from jawenv.recordings.checks import check_columns, even_time
-from jawenv.recordings.columns import ENCODERS, SAMPLES, TIME, TRUE_WRENCH, true_motion
+from jawenv.recordings.columns import ENCODERS, SAMPLES, TIME, TRUE_MOTION, TRUE_WRENCH
 from jawenv.recordings.given import given_errors, given_geometry, given_prior, given_world
 from jawenv.recordings.mapping import mapped, read_columns
 from jawenv.recordings.record import Record
@@ -43,8 +43,7 @@ def save_record(record: Record, path: PathLike) -> None:
     """
     target = checked_path(path)
     columns = {TIME: record.time}
-    states = true_motion(len(record.start_mean))
-    for column in (*ENCODERS, *SAMPLES, *(states if record.states is not None else ())):
+    for column in (*ENCODERS, *SAMPLES, *(TRUE_MOTION if record.states is not None else ())):
         columns[column.name] = written(record, column)
     if record.wrenches is not None:
         columns |= {column.name: written(record, column) for column in TRUE_WRENCH}
@@ -83,14 +82,11 @@ def load_record(
     header = {word: value for word, value in table.header.items() if _OVERRULED.get(word) not in settings}
     world = given_world(configuration or defaults.UNLABELLED, settings, header, table.path)
     names, sensor = world.muscles.parameter_names, world.force_sensor
-    check_numbers(
-        table, {"states": N_BODY if world.filter_model == "bilateral" else N_STATES, "parameters": len(names)}
-    )
+    check_numbers(table, {"states": N_STATES, "parameters": len(names)})
     tilt = header.get("head_tilt_deg", 0.0) if head_tilt_deg is None else head_tilt_deg
     jaw = given_geometry(jaw, world, tilt, header, table.path)
-    size = defaults.motion_size(jaw)
     time = even_time(table)
-    check_columns(table, size)
+    check_columns(table)
     measured = encoders(table)
     errors = given_errors(world, header, float(time[1] - time[0]))
     start, truth = header.get("start_mean"), header.get("truth")
@@ -111,7 +107,7 @@ def load_record(
         device=world.build_device() if is_of_a_device else None,
         control=world.control,
         truth=None if truth is None else np.array(truth, dtype=np.float64),
-        states=stacked(table, true_motion(size)),
+        states=stacked(table, TRUE_MOTION),
         wrenches=wrenches(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
         **errors,
     )
@@ -129,7 +125,7 @@ _OVERRULED = {
 def _header(record: Record) -> dict[str, Any]:
     """The file's header, SI units, all arrays as lists."""
     match = defaults.model_of_geometry(record.jaw)
-    names = [model.name for model in defaults.matching_models(record.parameter_names, len(record.start_mean))]
+    names = [model.name for model in defaults.matching_models(record.parameter_names)]
     header: dict[str, Any] = {}
     if match is not None and match[0] in names:
         header["model"], header["head_tilt_deg"] = match

@@ -16,7 +16,7 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings import defaults
 from jawenv.recordings.record import Record
 
-_OF_THE_BODY = ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity")
+_OF_THE_BODY = ("mass", "centre_of_mass", "inertia", "inertia_contact_inverse", "gravity")
 
 
 def _upright(jaw: Any, configuration: Configuration) -> Any:
@@ -37,7 +37,7 @@ def settings_of_record(record: Record) -> Any:
         assert motor_sds is not None, "no load cell reads the force"
         force = motor_sds, record.device.records()[0]
     if not record.knowledge.exact or force is not None:
-        model = defaults.matching_models(record.parameter_names, states)[0]
+        model = defaults.matching_models(record.parameter_names)[0]
         upright, muscle_set = _upright(record.jaw, Configuration(model=model.name)), model.muscles
         parts = record.knowledge, muscle_set, upright, record.prior.mean, None if force is None else force[0]
         sds = directions(*parts, lasting=record.disturbance_time_s > 0.0)
@@ -66,7 +66,7 @@ def settings_of_configuration(configuration: Configuration, jaw: Any) -> Any:
     sensor = configuration.force_sensor
     motor_sds = sds_of_sensor(sensor, device)
     force = None if motor_sds is None else (motor_sds, device_with_sensor(sensor, device)[0])
-    noise, spread = noise_of(device, sensor, TICK), start_sd(jaw, int(jaw["condyles"]))
+    noise, spread = noise_of(device, sensor, TICK), start_sd(jaw)
     upright = _upright(jaw, configuration)
     sds = directions(knowledge, muscles, upright, prior.mean, motor_sds, lasting=noise.disturbance_time_s > 0.0)
     disturbance = N_WRENCH if noise.disturbance_time_s > 0.0 else 0

@@ -118,11 +118,10 @@ class OnlineFilter:
         world = configure(settings, type(self), configuration or defaults.UNLABELLED)
         own = defaults.geometry_of(world, head_tilt_deg)
         if jaw is not None:
-            if (len(jaw["l_o"]), jaw["condyles"]) != (len(own["l_o"]), own["condyles"]) or head_tilt_deg != 0.0:
+            if len(jaw["l_o"]) != len(own["l_o"]) or head_tilt_deg != 0.0:
                 raise InputError(
-                    f"jaw has {len(jaw['l_o'])} lines and {jaw['condyles']} condyles, head_tilt_deg is "
-                    f"{head_tilt_deg:g}; allowed with model {world.model!r}: {len(own['l_o'])} lines, "
-                    f"{own['condyles']} condyles, tilt 0"
+                    f"jaw has {len(jaw['l_o'])} lines, head_tilt_deg is {head_tilt_deg:g}; "
+                    f"allowed with model {world.model!r}: {len(own['l_o'])} lines, tilt 0"
                 )
             own = jaw
         if every is None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.device import Device
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings.record import Record
 
@@ -73,7 +73,7 @@ def _motion(record: Record) -> list[Finding]:
 
 def _place(record: Record) -> list[Finding]:
     rows, closed = np.zeros((N_MEASUREMENTS, len(record.start_mean))), np.zeros(N_MEASUREMENTS)
-    expect(record.jaw, np.zeros(len(record.start_mean)), rows, closed)
+    measure(record.jaw, np.zeros(len(record.start_mean)), rows, closed)
     first = record.measured[0, :3]
     if np.isnan(first).all():
         return []

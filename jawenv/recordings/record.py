@@ -16,7 +16,7 @@ from jawenv.device.device import Device
 from jawenv.device.force_sensor import FORCE_SENSORS, ForceSensor
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
-from jawenv.mechanics.dynamics import N_BODY, N_WRENCH
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
 Array = NDArray[np.float64]
 
@@ -62,17 +62,18 @@ class Record:
 
     def __post_init__(self) -> None:
         """Check shapes, spacing and signs."""
-        ticks, size, parameters = len(self.time) - 1, len(self.start_mean), len(self.parameter_names)
+        ticks, parameters = len(self.time) - 1, len(self.parameter_names)
         shapes = {
             "measured": (ticks + 1, N_MEASUREMENTS),
             "samples": (ticks, N_SAMPLES, N_WRENCH),
-            "start_sd": (size,),
+            "start_mean": (N_STATES,),
+            "start_sd": (N_STATES,),
             "measurement_sd": (N_MEASUREMENTS,),
             "wrench_sd": (N_WRENCH,),
             "cell_sd": (N_WRENCH,),
             "disturbance_sd": (N_WRENCH,),
             "truth": (parameters,),
-            "states": (ticks + 1, size),
+            "states": (ticks + 1, N_STATES),
             "wrenches": (ticks, N_SAMPLES, N_WRENCH),
         }
         for name, shape in shapes.items():
@@ -94,17 +95,14 @@ class Record:
                 f"record: disturbance_time_s is {self.disturbance_time_s}, disturbance_sd {self.disturbance_sd}; "
                 "allowed: numbers from 0 on"
             )
-        if size == N_BODY and not self.knowledge.exact:
-            raise InputError("record: knowledge is not exact; allowed with two condyles: exact")
-        self._check_force_sensor(size)
+        self._check_force_sensor()
 
-    def _check_force_sensor(self, size: int) -> None:
-        """A force without a load cell is for one reference point, and needs the device's sds."""
+    def _check_force_sensor(self) -> None:
+        """A force without a load cell needs the device's sds."""
         if self.force_sensor not in FORCE_SENSORS:
             raise InputError(f"record: force_sensor is {self.force_sensor!r}; allowed: {', '.join(FORCE_SENSORS)}")
-        if self.force_sensor != "cell" and (size == N_BODY or self.device is None):
-            why = "with two condyles" if size == N_BODY else "without a device"
-            raise InputError(f"record: force_sensor is {self.force_sensor!r}, allowed {why} is 'cell'")
+        if self.force_sensor != "cell" and self.device is None:
+            raise InputError(f"record: force_sensor is {self.force_sensor!r}, allowed without a device is 'cell'")
 
     @property
     def dt(self) -> float:

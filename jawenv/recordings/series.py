@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +41,7 @@ def encoders(table: RecordTable) -> Array:
     return measured
 
 
-def stacked(table: RecordTable, columns: list[Column]) -> Array | None:
+def stacked(table: RecordTable, columns: Sequence[Column]) -> Array | None:
     """(T + 1, n) of these columns; None without them in the file."""
     if columns[0].name not in table.columns:
         return None

@@ -18,7 +18,7 @@ from jawenv.filter.bound.joint_recursion import (
     predict_covariance,
     set_noise_variance,
 )
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.model.joint_step import propagate, set_muscles
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
@@ -80,7 +80,7 @@ def predict_plain(problem: Problem, tick, mean, covariance, trend, scratch: Join
 def update_plain(jaw: Jaw, mean, covariance, measured, variances, scratch: JointScratch):
     """Measurement update; NaN in ``measured`` (12) was not read."""
     size = mean.shape[0]
-    expect(jaw, mean, scratch.rows, scratch.expected)
+    measure(jaw, mean, scratch.rows, scratch.expected)
     for j in range(size):
         scratch.shift[j] = 0.0
     for i in range(N_MEASUREMENTS):

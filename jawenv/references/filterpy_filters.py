@@ -122,7 +122,7 @@ def _run(name: str, kalman: Any, model: MotionModel, every: int) -> Estimate:
 class FilterpyExtendedKalman:
     """filterpy's ``ExtendedKalmanFilter``: the same numbers as ``ExtendedKalman``, much slower.
 
-    Motion, readings and their derivatives are those of ``numpy_model``; the compiled ones for a jaw with two condyles.
+    Motion, readings and their derivatives are those of ``numpy_model``.
 
     Args:
         parameter_rate: as in ``ExtendedKalman``.
@@ -149,8 +149,7 @@ class FilterpyExtendedKalman:
 
     def estimate(self, record: Record) -> Estimate:
         """The belief at every ``every``-th tick."""
-        compiled = self.compiled_model or record.jaw["condyles"] == 2
-        kind: type[MotionModel] = CompiledModel if compiled else NumpyModel
+        kind: type[MotionModel] = CompiledModel if self.compiled_model else NumpyModel
         model = kind(record, self.parameter_rate, self.parameter_time)
         return _run(self.name, _Extended(model), model, self.every)
 

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.model.joint_step import N_NOISE, propagate, set_muscles
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.newton_euler import measurement
@@ -43,7 +43,7 @@ class MotionModel(ABC):
 
     @abstractmethod
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
-        """The readings to expect of x, where ``read`` (12,) is True."""
+        """The readings to measure of x, where ``read`` (12,) is True."""
 
     @abstractmethod
     def rows_by_motion(self, x: Array) -> Array:
@@ -93,13 +93,13 @@ class CompiledModel(MotionModel):
         return moved
 
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
-        """The readings to expect of x, where ``read`` (12,) is True, by the compiled ``expect``."""
-        expect(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
+        """The readings to measure of x, where ``read`` (12,) is True, by the compiled ``measure``."""
+        measure(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
         return self.scratch["expected"][read].copy()  # type: ignore[no-any-return]
 
     def rows_by_motion(self, x: Array) -> Array:
-        """Derivative (12, n) of all readings by the motion, by the compiled ``expect``."""
-        expect(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
+        """Derivative (12, n) of all readings by the motion, by the compiled ``measure``."""
+        measure(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
         return self.scratch["rows"]  # type: ignore[no-any-return]
 
 
@@ -113,7 +113,7 @@ class NumpyModel(MotionModel):
         return np.concatenate([motion, x[self.n :]])
 
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
-        """The readings to expect of x, where ``read`` (12,) is True, by ``measurement``."""
+        """The readings to measure of x, where ``read`` (12,) is True, by ``measurement``."""
         return measurement(self.record.jaw, x[: self.n])[read]
 
     def rows_by_motion(self, x: Array) -> Array:

@@ -45,8 +45,8 @@ class Scene:
     contact_m: Array  # (3,) point midway between the condyles now, where it really is
     rotation: Array  # (3, 3) body axes as columns, C^T
     plant: Plant
-    """What holds the condyles: `midline` binds the point between them to the path, `contact` and `bilateral` let
-    each condyle press on its fossa or lift off it.
+    """What holds the condyles: `midline` binds the point between them to the path, `contact` lets it press on
+    its fossa or lift off it.
     """
     slides: bool  # whether the condyles can leave the place where they rest
     condyle_half_width_m: float  # half the distance between the condyles' centres

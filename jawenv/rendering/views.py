@@ -161,21 +161,18 @@ def _condyle_words(gap_mm: float) -> tuple[str, str]:
 
 
 def _draw_condyles_side(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
-    """Draw the path and the condyle on it in the plane of the near condyle; with two condyles, the far one too."""
+    """Draw the path and the condyle on it in the plane of the near condyle."""
     if not scene.slides:
         _draw_pin(canvas, camera, scene)
         return
     path = 1000 * scene.path_m(outlines.PATH_X_MM / 1000)
-    sides = (_LEFT, _RIGHT) if scene.plant == "bilateral" else (_RIGHT,)
-    for side in sides:
-        y = outlines.CONDYLE_Y_MM * (1 if side == _LEFT else -1)
-        fade = 0.55 if side == _LEFT else 0.0
-        curve = np.column_stack([outlines.PATH_X_MM, np.full_like(path, y), path])
-        canvas.line(camera.project(curve), palette.mix(FOSSA, CARD, fade), 3.6)
-        centre = 1000 * (scene.contact_m if scene.plant != "bilateral" else scene.condyles_m[side])
-        gap = 1000 * float(scene.condyle_gap_m[side])
-        lifted = scene.plant != "midline" and gap > _LIFTED_MM
-        _draw_dot(canvas, camera.project(np.array([centre[0], y, centre[2]])), lifted, fade)
+    y = -outlines.CONDYLE_Y_MM
+    curve = np.column_stack([outlines.PATH_X_MM, np.full_like(path, y), path])
+    canvas.line(camera.project(curve), FOSSA, 3.6)
+    centre = 1000 * scene.contact_m
+    gap = 1000 * float(scene.condyle_gap_m[_RIGHT])
+    lifted = scene.plant != "midline" and gap > _LIFTED_MM
+    _draw_dot(canvas, camera.project(np.array([centre[0], y, centre[2]])), lifted)
     if scene.plant == "contact":
         words = f"condyle {' '.join(_condyle_words(gap))}".strip()
         ink = _ink(gap)
@@ -183,33 +180,23 @@ def _draw_condyles_side(canvas: Canvas, camera: Camera, scene: Scene, box: Box) 
 
 
 def _draw_condyles_front(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
-    """Draw both fossae above their condyles; where condyles can lift off, say whether they do."""
-    heights = 1000 * scene.path_m(scene.condyles_m[:, 0] if scene.plant == "bilateral" else scene.contact_m[[0, 0]])
+    """Draw both fossae above their condyles."""
+    heights = 1000 * scene.path_m(scene.contact_m[[0, 0]])
     for side, sign in ((_LEFT, 1), (_RIGHT, -1)):
         roof = heights[side] - 4.2 * (1 - np.sqrt(1 - (_HEAD_MM / 9.5) ** 2)) + 0.9
         across = sign * outlines.CONDYLE_Y_MM + _HEAD_MM
         canvas.line(camera.project(np.column_stack([np.zeros(len(roof)), across, roof])), FOSSA, 3.6)
-        if scene.plant == "bilateral":
-            _draw_state(canvas, camera, box, sign, 1000 * float(scene.condyle_gap_m[side]))
-
-
-def _draw_state(canvas: Canvas, camera: Camera, box: Box, sign: int, gap: float) -> None:
-    """Say beside a condyle whether it presses on its disc."""
-    x, y = camera.project(np.array([0.0, sign * 67.0, -19.0])).tolist()
-    x = min(max(x, box[0] + 32), box[0] + box[2] - 32)
-    for line, words in enumerate(filter(None, _condyle_words(gap))):
-        canvas.text(words, (x, y + 13 * line), 11, _ink(gap), bold=True, anchor="centre")
 
 
 def _ink(gap: float) -> palette.Colour:
     return palette.mix(WARN if gap > _LIFTED_MM else GOOD, INK, 0.2)
 
 
-def _draw_dot(canvas: Canvas, position: Array, lifted: bool, fade: float) -> None:
+def _draw_dot(canvas: Canvas, position: Array, lifted: bool) -> None:
     """Draw where a condyle is: a filled dot on the path, an amber ring off it."""
     centre = (float(position[0]), float(position[1]))
     canvas.circle(centre, 5.0 if lifted else 4.4, CARD)
-    canvas.circle(centre, 4.2 if lifted else 3.2, palette.mix(WARN if lifted else INK, CARD, fade))
+    canvas.circle(centre, 4.2 if lifted else 3.2, WARN if lifted else INK)
     if lifted:
         canvas.circle(centre, 2.0, CARD)
 

@@ -58,7 +58,7 @@ def test_what_a_planner_cannot_do_without_is_named():
         agent.predict(np.zeros((2, 59), np.float32))
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/JawHinge-v3", "jawenv/JawPortions-v3", "jawenv/JawBilateral-v3"])
+@pytest.mark.parametrize("env_id", ["jawenv/JawHinge-v3", "jawenv/JawPortions-v3"])
 def test_the_twin_is_of_one_model(env_id):
     with pytest.raises(InputError):
         jawenv.play(QUICK["clairvoyant"](), patients=1, seed=5000, env_id=env_id, env_kwargs=KWARGS)

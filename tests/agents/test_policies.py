@@ -104,7 +104,7 @@ def test_other_weights_or_none_are_refused(folder: Path) -> None:
 
 
 def test_a_policy_of_another_environment_is_refused(folder: Path, tmp_path: Path) -> None:
-    assert "jawenv/JawBilateral-v3" in refused(folder, env_id="bilateral")
+    assert "jawenv/JawPortions-v3" in refused(folder, env_id="portions")
     layers = (9, 5, 4)
     architecture = {"layers": layers, "activation": "relu", "squash": "tanh"}
     small = write_policy(tmp_path / "small", random_weights(layers), observation_size=9, architecture=architecture)

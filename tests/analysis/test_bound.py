@@ -37,7 +37,6 @@ def a_record():
         ("jawenv/Jaw-v3", SWINGS),
         ("jawenv/Jaw-v3", "hold_still"),
         ("jawenv/JawHinge-v3", SWINGS),
-        ("jawenv/JawBilateral-v3", SWINGS),
     ],
 )
 def test_it_is_what_the_environment_tracks(env_id, maneuver):

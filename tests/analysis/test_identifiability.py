@@ -137,7 +137,7 @@ def test_what_slow_opening_leaves_is_the_medial_pterygoid_and_the_fore_aft_force
     assert report("opening_with_swings_and_fore_aft").least_known()[0].sd < 0.78 * slow.sd
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawHinge-v3", "jawenv/JawBilateral-v3"])
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawHinge-v3"])
 def test_it_can_be_told_in_words(env_id):
     found = report("opening_with_swings_and_fore_aft", env_id)
     text = found.describe()

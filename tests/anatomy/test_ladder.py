@@ -22,7 +22,7 @@ SETS = known_muscle_sets()
 
 def test_every_model_has_its_thesis_parameters() -> None:
     counts = {name: len(model.muscles.parameter_names) for name, model in MODELS.items()}
-    assert counts == {"hinge": 2, "sagittal": 6, "sides": 4, "jaw": 12, "portions": 24, "bilateral": 12}
+    assert counts == {"hinge": 2, "sagittal": 6, "sides": 4, "jaw": 12, "portions": 24}
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -27,7 +27,6 @@ def test_disc_is_the_modulus_times_area_over_thickness_and_loses_what_discs_lose
     mandible = default_mandible()
     assert mandible.disc_stiffness == pytest.approx(0.5e6 * 200e-6 / 2.5e-3)
     assert 1000.0 * mandible.disc_damping / mandible.disc_stiffness == pytest.approx(0.25)
-    assert mandible.disc_onset == 1.0
 
 
 def test_inertia_is_that_of_a_rigid_body_in_the_measured_order() -> None:

@@ -99,7 +99,7 @@ def filter_speeds(size: Size) -> list[Row]:
 def bound_speed(size: Size) -> list[Row]:
     """The bound along a record of 30 s, 3000 ticks, in steps of Humanoid-v5; the first call compiles."""
     rows, reference_speed = [], humanoid()
-    for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v3"):
+    for env_id in (DEFAULT_ENV, "jawenv/JawPortions-v3"):
         say(f"bound: {env_id}")
         record = jawenv.play(Sinusoids(), patients=1, seed=0, env_kwargs={"record": True}, env_id=env_id).records[0]
         jawenv.bound_along(record, every=5)

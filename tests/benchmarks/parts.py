@@ -15,13 +15,12 @@ import numba
 import numpy as np
 
 import jawenv  # noqa: F401 - registers the environments
-from jawenv.envs.world.condyles import true_motion
-from jawenv.envs.world.plants import SUBSTEPS
+from jawenv.envs.world.plants import SUBSTEPS, true_motion
 from jawenv.envs.world.record import N_NORMALS
 from jawenv.filter.belief.state import tension_columns
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.model.motion_step import ORDER, midline_step
+from jawenv.filter.model.motion_step import ORDER, move
 from jawenv.filter.model.regressors import middle_of, set_line_wrenches
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_by_tension, predict_cov
@@ -93,8 +92,8 @@ def true_part(device, model, world, settings, scratch):
 
 @numba.njit
 def motion_part(device, model, world, settings, scratch):
-    midline_step(model, world.known.belief.motion, scratch.samples, 0.01, False, scratch.filter.time.step)
-    midline_step(model, world.known.belief.predicted, scratch.samples, 0.01, True, scratch.filter.time.step)
+    move(model, world.known.belief.motion, scratch.samples, 0.01, False, scratch.filter.time.step)
+    move(model, world.known.belief.predicted, scratch.samples, 0.01, True, scratch.filter.time.step)
 
 
 @numba.njit

@@ -19,7 +19,7 @@ from jawenv.playing.rollout import DEFAULT_ENV
 
 WORLDS = 256
 CONTROL_HZ = 20.0
-COMPARED = (DEFAULT_ENV, "jawenv/JawBilateral-v3", "jawenv/JawPortions-v3")
+COMPARED = (DEFAULT_ENV, "jawenv/JawPortions-v3")
 CONTROLS = ("force", "trajectory", "targets")
 OTHERS = [env_id for env_id in ENVIRONMENTS if env_id != DEFAULT_ENV]
 PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v3",)

@@ -60,15 +60,15 @@ def recording(folder: Path) -> None:
     """A short record, as CSV and as Parquet."""
     rng = np.random.default_rng(0)
     rung, jaw = model_named("jaw"), defaults.geometry("jaw", 0.0)
-    size, names, ticks = defaults.motion_size(jaw), rung.muscles.parameter_names, 20
+    names, ticks = rung.muscles.parameter_names, 20
     measured = rng.normal(size=(ticks + 1, 12))
     measured[3, 4] = np.nan
     record = Record(
         time=np.arange(ticks + 1) * 0.01,
         measured=measured,
         samples=rng.normal(size=(ticks, 3, 6)),
-        start_mean=rng.normal(size=size),
-        start_sd=np.ones(size),
+        start_mean=rng.normal(size=10),
+        start_sd=np.ones(10),
         measurement_sd=np.ones(12),
         wrench_sd=np.ones(6),
         cell_sd=np.ones(6) * 0.1,

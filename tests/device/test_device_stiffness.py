@@ -17,8 +17,7 @@ from jawenv.device.motors import (
     device_wrench,
     held_rate,
 )
-from jawenv.envs.world.condyles import true_motion
-from jawenv.envs.world.plants import SUBSTEPS, midline_steps, midline_tick
+from jawenv.envs.world.plants import SUBSTEPS, midline_steps, midline_tick, true_motion
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.stiffness import fastest_rate

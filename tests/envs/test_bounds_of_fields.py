@@ -55,12 +55,11 @@ def test_an_episode_at_a_bound_is_finite(what, name, value, control):
     play_two_seconds(control=control, **{what: {**NEEDS.get(name, {}), name: value}})
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawBilateral-v3"])
-def test_motors_switched_against_the_strongest_brake_move_a_jaw_finitely(env_id):
+def test_motors_switched_against_the_strongest_brake_move_a_jaw_finitely():
     """A brake that stops the jaw within a step of the simulation throws it back faster each time."""
     device = {"slew_N_s": 1e5, "brake_N_s_m": jawenv.Device.numeric_fields()["brake_N_s_m"].high}
     env = gym.make_vec(
-        env_id, 32, cohort="wide", control="force", device=device, episode_s=3.0, autoreset_mode="disabled"
+        "jawenv/Jaw-v3", 32, cohort="wide", control="force", device=device, episode_s=3.0, autoreset_mode="disabled"
     )
     env.reset(seed=41000)
     rng = np.random.default_rng(0)

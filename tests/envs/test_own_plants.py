@@ -10,9 +10,8 @@ from test_copies import actions, assert_same
 
 import jawenv
 from jawenv.mechanics import build_jaw
-from jawenv.mechanics.bilateral import bilateral_rate, put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import state_rate
-from jawenv.mechanics.kinematics import fossa, split_body
+from jawenv.mechanics.kinematics import fossa
 from jawenv.mechanics.plant import body_motion, checked_motion, motion_at_mouthpiece, plant_of
 
 ID = "jawenv/Jaw-v3"
@@ -46,30 +45,6 @@ class Midline:
         )
 
 
-class Bilateral(Midline):
-    """The model with two condyles by the same rule."""
-
-    def reset(self, patient, rng):
-        self.jaw, self.muscles = patient.jaw, np.column_stack([patient.F_o_N, patient.b])
-        (x, y, _, *angles), _ = body_motion(patient.rest, self.jaw["mouthpiece"])
-        state = np.zeros(12)
-        put_on_fossa(self.jaw, (x, y, *angles), state)
-        assert settle_bilateral(self.jaw, self.muscles, (0.0,) * 6, state, np.empty((6, 6)), np.empty(6))
-        self.q, self.u = np.array(split_body(state))
-        return self.motion()
-
-    def advance(self, wrench, dt):
-        q, u = self.q, self.u
-        for share in (0.5, 1.0):
-            rates = bilateral_rate(self.jaw, self.muscles, tuple(q), tuple(u), tuple(wrench))
-            q, u = self.q + share * dt * np.array(rates[0]), self.u + share * dt * np.array(rates[1])
-        self.q, self.u = q, u
-        return self.motion()
-
-    def motion(self):
-        return motion_at_mouthpiece((tuple(self.q), tuple(self.u)), self.jaw["mouthpiece"])
-
-
 class Still(Midline):
     """A jaw that no force moves; without ``take_muscles``."""
 
@@ -97,17 +72,15 @@ def gently(steps):
 
 
 @pytest.mark.parametrize(
-    ("env_id", "plant", "arguments"),
+    "arguments",
     [
-        (ID, Midline, {"control": "force", "reality": {"creep_share": 0.3, "articular_stiffness_N_m": 2000.0}}),
-        (ID, Midline, {"control": "trajectory"}),
-        ("jawenv/JawBilateral-v3", Bilateral, {"control": "force", "estimator": "midline"}),
-        ("jawenv/JawBilateral-v3", Bilateral, {"control": "force"}),
+        {"control": "force", "reality": {"creep_share": 0.3, "articular_stiffness_N_m": 2000.0}},
+        {"control": "trajectory"},
     ],
 )
-def test_jawenvs_own_mechanics_as_a_plant_give_the_belief_that_it_gives(env_id, plant, arguments):
+def test_jawenvs_own_mechanics_as_a_plant_give_the_belief_that_it_gives(arguments):
     """Noise is the same, so what is apart is the error of a wrench that is held for half a millisecond."""
-    env, own = gym.make(env_id, **arguments), gym.make(env_id, plant=plant(), **arguments)
+    env, own = gym.make(ID, **arguments), gym.make(ID, plant=Midline(), **arguments)
     first, other = env.reset(seed=5000), own.reset(seed=5000)
     np.testing.assert_allclose(other[0], first[0], atol=1e-5)
     for action in gently(40):

@@ -4,7 +4,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-PLANTS = ["jawenv/Jaw-v3", "jawenv/JawBilateral-v3", "jawenv/JawSagittal-v3"]
+PLANTS = ["jawenv/Jaw-v3", "jawenv/JawSagittal-v3"]
 EFFECTS = [
     {"reflex_gain": 1.0},
     {"creep_share": 0.3},

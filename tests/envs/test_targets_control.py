@@ -115,7 +115,7 @@ def test_rates_are_multiples_of_the_laws():
         gym.make(ID, control="targets", control_hz=8)
 
 
-@pytest.mark.parametrize("model", ["JawHinge", "JawSagittal", "JawBilateral"])
+@pytest.mark.parametrize("model", ["JawHinge", "JawSagittal"])
 def test_other_jaws_follow_targets_too(model):
     played = jawenv.play(
         Player("slow_opening", control="targets"),

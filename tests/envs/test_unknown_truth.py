@@ -19,7 +19,7 @@ UNTOLD = {"mass_error": 0.1, "head_tilt_error_deg": 3.0, "mouthpiece_error_deg":
 
 def truths(worlds=1, knowledge=None, reality=None, anatomy_seed=None):
     """Records of truths that were drawn."""
-    records = record_zeros(worlds, truth_dtype(6, LINES, 10, 0, 0))
+    records = record_zeros(worlds, truth_dtype(6, LINES, 0, 0))
     for i, truth in enumerate(records):
         truth["jaw"] = build_jaw(MUSCLES)
         streams = Streams.of(np.array([7, i], dtype=np.uint64))

@@ -2,7 +2,6 @@
 
 import gymnasium as gym
 import numpy as np
-import pytest
 
 from jawenv.envs.world.bound_kernel import track_bound
 from jawenv.envs.world.reset_kernel import begin
@@ -10,7 +9,6 @@ from jawenv.envs.world.step_kernel import advance
 from jawenv.filter.bound.joint_recursion import predict_covariance
 from jawenv.filter.tick import filter_tick
 from jawenv.kernels.cache import _function_of, _references
-from jawenv.mechanics.dynamics import N_BODY
 
 
 def reached(kernel):
@@ -30,11 +28,6 @@ def test_the_filter_is_part_of_one_kernel_and_the_bound_of_its_own():
     having_filter = [kernel for kernel, functions in parts.items() if filter_tick.py_func in functions]
     having_bound = [kernel for kernel, functions in parts.items() if predict_covariance.py_func in functions]
     assert having_filter == [advance] and having_bound == [track_bound]
-
-
-@pytest.mark.parametrize(("env_id", "size"), [("jawenv/Jaw-v3", 0), ("jawenv/JawBilateral-v3", N_BODY)])
-def test_only_a_plant_with_two_condyles_has_a_body(env_id, size):
-    assert gym.make(env_id).unwrapped.simulation.worlds["truth"]["body"].shape == (1, size)
 
 
 def test_the_bound_is_the_same_with_whatever_is_kept():

@@ -76,7 +76,6 @@ def test_straps_that_only_pull_leave_pushes_unread():
     ("given", "message"),
     [
         ({"force_sensor": "spring"}, "force_sensor is 'spring'; allowed: cell, motors, straps"),
-        ({"force_sensor": "motors", "model": "bilateral"}, "force_sensor is 'motors'; allowed in JawBilateral: 'cell'"),
         ({"force_sensor": "straps", "model": "sagittal"}, "force_sensor is 'straps'; allowed in JawSagittal: 'cell'"),
     ],
 )

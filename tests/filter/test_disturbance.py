@@ -95,13 +95,3 @@ def test_untold_the_alarm_rings():
 def test_it_goes_with_a_jaw_that_is_known_within_sds():
     _, info, _ = play("refined", 24, 8, 975_000, knowledge="imaged", device={"unmodelled_time_s": 0.5})
     assert 0.7 < np.mean(info["nees"]) / 12 < 1.9
-
-
-@pytest.mark.repeats
-def test_it_goes_with_two_condyles():
-    env = gym.make("jawenv/JawBilateral-v3", device={"unmodelled_time_s": 0.5}, episode_s=2.0)
-    observation, info = env.reset(seed=976_000)
-    for _ in range(8):
-        observation, *_, info = env.step(env.action_space.sample())
-        assert np.isfinite(observation).all()
-    assert info["nees"] / 12 < 6.0

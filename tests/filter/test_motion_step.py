@@ -2,13 +2,10 @@
 
 import newton_euler as twin
 import numpy as np
-import pytest
-import two_condyles
 from scipy.linalg import expm
 
 import jawenv
-from jawenv.filter.model import motion_step as step
-from jawenv.filter.model.body_step import body_step
+from jawenv.filter.model.motion_step import move, step_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.references.numpy_model import fastest_rate, parts_needed, reading_at
 
@@ -16,69 +13,44 @@ DT = 0.01
 STAGES = (0.0, 0.5, 0.5, 1.0)
 
 
-def five_of(jaw, theta, state, wrench):
-    return twin.state_rate(jaw, theta, state, wrench)
-
-
-def six_of(jaw, theta, state, wrench):
-    q, u = state[:6], state[6:]
-    angles = np.linalg.solve(twin.angle_axes(two_condyles.five(q)), u[3:])
-    return np.concatenate([u[:3], angles, two_condyles.acceleration(jaw, theta, q, u, wrench)])
-
-
-def midline_start(jaw, rng):
+def midline_start(rng):
     q = [rng.uniform(1e-3, 8e-3), rng.uniform(-1e-3, 1e-3), rng.uniform(0.1, 0.4), *rng.uniform(-0.05, 0.05, 2)]
     return np.array([*q, *rng.uniform(-0.02, 0.02, 2), *rng.uniform(-0.5, 0.5, 3)])
 
 
-def body_start(jaw, rng):
-    """Both condyles on their discs."""
-    x = rng.uniform(1e-3, 8e-3)
-    z = twin.fossa(jaw, x)[0] + rng.uniform(0.05e-3, 0.15e-3)
-    q = [x, rng.uniform(-1e-3, 1e-3), z, rng.uniform(0.1, 0.4), *rng.uniform(-5e-3, 5e-3, 2)]
-    return np.array([*q, *rng.uniform(-0.01, 0.01, 3), *rng.uniform(-0.3, 0.3, 3)])
-
-
 class Model:
-    """One of the filter's two models: its kernel, its independent twin, and in how many parts it steps at least."""
+    """The filter's model: its kernel and its independent twin."""
 
-    def __init__(self, condyles):
-        self.jaw = build_jaw(condyles=condyles)
-        self.n, self.fewest = (12, 5) if condyles == 2 else (10, 1)
-        self.short = 0.1 * DT  # in which neither model takes more parts than it must, nor does half of it
-        self.rate, self.start = (six_of, body_start) if condyles == 2 else (five_of, midline_start)
-        self.kernel = body_step if condyles == 2 else step.midline_step
-        self.pose = two_condyles.five if condyles == 2 else (lambda q: q)
-        self.scratch = np.zeros(1, dtype=step.step_dtype(6, self.n))[0]
+    def __init__(self):
+        self.jaw, self.n = build_jaw(), 10
+        self.short = 0.1 * DT  # in which it takes no more parts than it must, nor does half of it
+        self.scratch = np.zeros(1, dtype=step_dtype(6, self.n))[0]
 
     def parts(self, theta, state, dt):
-        return max(self.fewest, parts_needed(fastest_rate(self.jaw, theta, self.pose(state[: self.n // 2])), dt))
+        return parts_needed(fastest_rate(self.jaw, theta, state[:5]), dt)
 
     def by_kernel(self, theta, state, samples, dt):
         """Motion and derivative (n, n + 6) at the end of a step."""
         moved = state.copy()
         self.scratch["muscles"] = np.exp(theta).reshape(6, 2)
-        self.kernel(self.jaw, moved, samples, dt, True, self.scratch)
+        move(self.jaw, moved, samples, dt, True, self.scratch)
         return moved, self.scratch["total"].copy()
 
     def path(self, theta, state, samples, dt, parts, wrench=0.0):
-        """Motion at the end, and state and wrench where each part's Jacobian is taken.
-
-        With two condyles in the middle of each part, else in that of the step.
-        """
+        """Motion at the end, and state and wrench in the middle of the step, where the Jacobian is taken."""
         h, middles = dt / parts, []
         for part in range(parts):
 
             def rate(stage, at, part=part):
-                return self.rate(self.jaw, theta, at, reading_at(samples, (part + STAGES[stage]) / parts) + wrench)
+                return twin.state_rate(
+                    self.jaw, theta, at, reading_at(samples, (part + STAGES[stage]) / parts) + wrench
+                )
 
             slopes = [rate(0, state)]
             for stage, reach in ((1, 0.5 * h), (2, 0.5 * h), (3, h)):
                 slopes.append(rate(stage, state + reach * slopes[-1]))
             middle = state + 0.5 * h * slopes[1]
-            if self.n == 12:
-                middles.append((middle, reading_at(samples, (part + 0.5) / parts)))
-            elif part == parts // 2:
+            if part == parts // 2:
                 middles = parts * [(middle if parts % 2 else state, reading_at(samples, 0.5))]
             state = state + h / 6.0 * (slopes[0] + 2.0 * slopes[1] + 2.0 * slopes[2] + slopes[3])
         return state, middles
@@ -89,7 +61,7 @@ class Model:
         for middle in middles:
             both = np.zeros((self.n + 6, self.n + 6))
             both[: self.n] = twin.derivative(
-                lambda v: self.rate(self.jaw, theta, v[: self.n], v[self.n :]), np.concatenate(middle)
+                lambda v: twin.state_rate(self.jaw, theta, v[: self.n], v[self.n :]), np.concatenate(middle)
             )
             whole = exponential(h * both)
             total = whole[: self.n, : self.n] @ total
@@ -103,93 +75,87 @@ def four_terms(matrix):
     return powers[0] + powers[1] + powers[2] / 2.0 + powers[3] / 6.0 + powers[4] / 24.0
 
 
-MIDLINE, BODY = Model(1), Model(2)
-BOTH = pytest.mark.parametrize("model", [MIDLINE, BODY], ids=["midline", "body"])
+MIDLINE = Model()
 
 
-def drawn(model, rng):
+def drawn(rng):
     theta = jawenv.cohort("trismus").draw_log_parameters(rng)
     samples = np.concatenate([rng.uniform(-8, 8, 3), rng.uniform(-0.1, 0.1, 3)])
-    return theta, model.start(model.jaw, rng), samples + rng.normal(size=(3, 6)) * np.repeat([0.5, 0.02], 3)
+    return theta, midline_start(rng), samples + rng.normal(size=(3, 6)) * np.repeat([0.5, 0.02], 3)
 
 
-def scaled(model, total, h):
+def scaled(total, h):
     """The derivative in units of metres: angles at a lever of 5 cm, rates over ``h``, wrenches what they move in it."""
-    half, lever = model.n // 2, 0.05
+    half, lever = MIDLINE.n // 2, 0.05
     units = np.tile(np.repeat([1.0, 1.0 / lever], [half - 3, 3]), 2)
     units[half:] /= h
-    mass = float(model.jaw["mass"])
+    mass = float(MIDLINE.jaw["mass"])
     pushes = np.repeat([mass / h**2, mass * lever / h**2], 3)
     return total / units[:, None] * np.concatenate([units, pushes])
 
 
-def off(model, actual, expected, dt):
+def off(actual, expected, dt):
     """Norm of the difference over the norm of what is expected."""
-    return np.linalg.norm(scaled(model, actual - expected, dt), 2) / np.linalg.norm(scaled(model, expected, dt), 2)
+    return np.linalg.norm(scaled(actual - expected, dt), 2) / np.linalg.norm(scaled(expected, dt), 2)
 
 
-@BOTH
-def test_the_motion_is_runge_and_kuttas(model, rng):
+def test_the_motion_is_runge_and_kuttas(rng):
     for _ in range(10):
-        theta, state, samples = drawn(model, rng)
-        moved, _ = model.by_kernel(theta, state, samples, DT)
-        expected, _ = model.path(theta, state, samples, DT, model.parts(theta, state, DT))
+        theta, state, samples = drawn(rng)
+        moved, _ = MIDLINE.by_kernel(theta, state, samples, DT)
+        expected, _ = MIDLINE.path(theta, state, samples, DT, MIDLINE.parts(theta, state, DT))
         np.testing.assert_allclose(moved, expected, rtol=1e-10, atol=1e-12)
 
 
-@BOTH
-def test_the_motion_alone_is_the_same_to_rounding_and_leaves_no_derivative(model, rng):
-    theta, state, samples = drawn(model, rng)
-    moved, _ = model.by_kernel(theta, state, samples, DT)
+def test_the_motion_alone_is_the_same_to_rounding_and_leaves_no_derivative(rng):
+    theta, state, samples = drawn(rng)
+    moved, _ = MIDLINE.by_kernel(theta, state, samples, DT)
     alone = state.copy()
-    model.scratch["total"] = 7.0
-    model.kernel(model.jaw, alone, samples, DT, False, model.scratch)
+    MIDLINE.scratch["total"] = 7.0
+    move(MIDLINE.jaw, alone, samples, DT, False, MIDLINE.scratch)
     np.testing.assert_allclose(alone, moved, rtol=1e-12, atol=1e-14)
-    np.testing.assert_array_equal(model.scratch["total"], 7.0)
+    np.testing.assert_array_equal(MIDLINE.scratch["total"], 7.0)
 
 
-@BOTH
-def test_the_derivative_is_the_exponential_of_one_jacobian(model, rng):
+def test_the_derivative_is_the_exponential_of_one_jacobian(rng):
     """But for what a series to the fourth order leaves out: of a step half as long an eighth and less."""
-    wrong = {model.short: [], 0.5 * model.short: []}
+    wrong = {MIDLINE.short: [], 0.5 * MIDLINE.short: []}
     for _ in range(8):
-        theta, state, samples = drawn(model, rng)
+        theta, state, samples = drawn(rng)
         for dt, errors in wrong.items():
-            parts = model.parts(theta, state, dt)
-            _, middles = model.path(theta, state, samples, dt, parts)
-            expected = model.frozen(theta, middles, dt)
-            errors.append(off(model, model.by_kernel(theta, state, samples, dt)[1], expected, dt))
+            parts = MIDLINE.parts(theta, state, dt)
+            _, middles = MIDLINE.path(theta, state, samples, dt, parts)
+            expected = MIDLINE.frozen(theta, middles, dt)
+            errors.append(off(MIDLINE.by_kernel(theta, state, samples, dt)[1], expected, dt))
     first, second = (np.array(errors) for errors in wrong.values())
     assert first.max() < 1e-2
     assert np.median(second) < np.median(first) / 7.0
 
 
-@BOTH
-def test_the_series_has_four_terms(model, rng):
-    """At the filter's own step, where the discs' bounce turns by a radian and more in each part."""
+def test_the_series_has_four_terms(rng):
+    """At the filter's own step."""
     for _ in range(8):
-        theta, state, samples = drawn(model, rng)
-        parts = model.parts(theta, state, DT)
-        _, middles = model.path(theta, state, samples, DT, parts)
-        expected = model.frozen(theta, middles, DT, four_terms)
-        assert off(model, model.by_kernel(theta, state, samples, DT)[1], expected, DT) < 1e-8
+        theta, state, samples = drawn(rng)
+        parts = MIDLINE.parts(theta, state, DT)
+        _, middles = MIDLINE.path(theta, state, samples, DT, parts)
+        expected = MIDLINE.frozen(theta, middles, DT, four_terms)
+        assert off(MIDLINE.by_kernel(theta, state, samples, DT)[1], expected, DT) < 1e-8
 
 
-@BOTH
-def test_the_derivative_is_that_of_the_motion_but_for_the_frozen_jacobian(model, rng):
+def test_the_derivative_is_that_of_the_motion_but_for_the_frozen_jacobian(rng):
     """By the complex step through Runge and Kutta's motion; half the step makes less than half of the error."""
-    wrong = {model.short: [], 0.5 * model.short: []}
+    wrong = {MIDLINE.short: [], 0.5 * MIDLINE.short: []}
     for _ in range(8):
-        theta, state, samples = drawn(model, rng)
+        theta, state, samples = drawn(rng)
         for dt, errors in wrong.items():
-            parts = model.parts(theta, state, dt)
+            parts = MIDLINE.parts(theta, state, dt)
             exact = twin.derivative(
-                lambda v, given=(samples, dt, parts), theta=theta: model.path(
-                    theta, v[: model.n], *given, v[model.n :]
+                lambda v, given=(samples, dt, parts), theta=theta: MIDLINE.path(
+                    theta, v[: MIDLINE.n], *given, v[MIDLINE.n :]
                 )[0],
                 np.concatenate([state, np.zeros(6)]),
             )
-            errors.append(off(model, model.by_kernel(theta, state, samples, dt)[1], exact, dt))
+            errors.append(off(MIDLINE.by_kernel(theta, state, samples, dt)[1], exact, dt))
     first, second = (np.array(errors) for errors in wrong.values())
     assert first.max() < 0.1
     assert np.median(second) < 0.5 * np.median(first)
@@ -199,14 +165,14 @@ def test_parts_of_a_stiff_jaw_are_put_together(rng):
     """On the teeth, where the midline model divides its step: the same product of exponentials."""
     divisions = set()
     for _ in range(20):
-        theta, state, samples = drawn(MIDLINE, rng)
+        theta, state, samples = drawn(rng)
         state[0], state[2] = rng.choice([-0.7e-3, -0.2e-3, MIDLINE.jaw["crest"] + 0.3e-3]), rng.uniform(-0.02, 0.005)
         parts = MIDLINE.parts(theta, state, DT)
         moved, total = MIDLINE.by_kernel(theta, state, samples, DT)
         end, middles = MIDLINE.path(theta, state, samples, DT, parts)
         np.testing.assert_allclose(moved, end, rtol=1e-9, atol=1e-11)
-        assert off(MIDLINE, total, MIDLINE.frozen(theta, middles, DT, four_terms), DT) < 1e-8
-        assert off(MIDLINE, total, MIDLINE.frozen(theta, middles, DT), DT) < 0.06
+        assert off(total, MIDLINE.frozen(theta, middles, DT, four_terms), DT) < 1e-8
+        assert off(total, MIDLINE.frozen(theta, middles, DT), DT) < 0.06
         divisions.add(parts)
     assert len(divisions) > 1 and max(divisions) > 2
 
@@ -214,12 +180,12 @@ def test_parts_of_a_stiff_jaw_are_put_together(rng):
 def test_held_coordinates_stay(rng):
     """A hinge's derivative has neither rows nor columns for what is held but the identity."""
     jaw = build_jaw(free=(False, False, True, False, False))
-    scratch = np.zeros(1, dtype=step.step_dtype(6, 10))[0]
+    scratch = np.zeros(1, dtype=step_dtype(6, 10))[0]
     theta = jawenv.cohort("trismus").draw_log_parameters(rng)
     scratch["muscles"] = np.exp(theta).reshape(6, 2)
     state = np.zeros(10)
     state[2], state[8] = 0.2, 0.3
-    step.midline_step(jaw, state, rng.normal(size=(3, 6)), DT, True, scratch)
+    move(jaw, state, rng.normal(size=(3, 6)), DT, True, scratch)
     held = [0, 1, 3, 4, 5, 6, 7, 9]
     np.testing.assert_array_equal(state[held], 0.0)
     np.testing.assert_array_equal(scratch["total"][np.ix_([5, 6, 7, 9], range(16))], np.eye(10, 16)[[5, 6, 7, 9]])

@@ -103,29 +103,6 @@ def test_a_jaw_that_rests_on_the_teeth_of_one_side_teaches_nothing(control):
     assert played.information_claimed[:, -1].max() < 0.5
 
 
-@pytest.mark.parametrize(("cohort", "brake_N_s_m", "rattling"), [("trismus", 30.0, 10), ("wide", 90.0, 0)])
-def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(cohort, brake_N_s_m, rattling):
-    """Full thrust; with a weak brake the stops change their force several times in a tick, for seconds."""
-    held = np.array([[1, 1, -1, 1], [1, 1, 1, -1], [0.78, 0.93, -0.81, 0.52]], dtype=np.float32)
-    actions = np.repeat(held, 8, axis=0)
-    env = gym.make_vec(
-        "jawenv/JawBilateral-v3",
-        len(actions),
-        cohort=cohort,
-        control="force",
-        device=jawenv.Device(brake_N_s_m=brake_N_s_m),
-        episode_s=15.0,
-        autoreset_mode="disabled",
-    )
-    env.reset(seed=6000)
-    rough = np.zeros(len(actions))
-    for _ in range(300):
-        *_, terminated, _, info = env.step(actions)
-        rough += env.unwrapped.simulation.worlds["known"]["belief"]["waits"] > 0
-    assert ((rough > 100.0) & ~terminated).sum() >= rattling
-    assert info["nees"][~terminated].max() / 12.0 < 10.0
-
-
 def test_nobody_is_lost_who_follows_targets_at_a_low_rate():
     """Random targets of one second's hold; a step has twenty ticks, in which the belief would not be renewed."""
     rng = np.random.default_rng(0)

@@ -12,7 +12,6 @@ import jawenv
 from agents import load_agent
 from jawenv.filter.learn import recentre
 from jawenv.filter.updates.measurement_update import REFUSED
-from jawenv.filter.updates.time_update import MISSED_CHANGE, MISSED_NOISE
 
 
 class Joint:
@@ -37,8 +36,6 @@ class Joint:
         F[:n, :n], F[:n, n:] = A, G @ lines
         self.P = F @ self.P @ F.T
         self.P[:n, :n] += G @ np.diag(record.noise_variance[:6]) @ G.T
-        if record.jaw["condyles"] == 2:
-            self.P[n // 2 : n, n // 2 : n] += impulse(running.scratch["time"]["step"]["linear"]["by_input"], record, k)
         self.mean = F @ (self.mean - np.concatenate([before, np.zeros(running.columns)]))
         self.mean[:n] += after
 
@@ -56,39 +53,10 @@ class Joint:
         assert running.update(k, used) != REFUSED
 
 
-def impulse(by_wrench, record, k):
-    """Covariance (6, 6) of the speeds after shares of the wrench's change in tick k and of its noise act at once."""
-    first, middle, last = record.samples[k]
-    change = np.maximum(np.abs(last - first), np.abs(first - 2.0 * middle + last))
-    variance = (MISSED_CHANGE * change) ** 2 + MISSED_NOISE**2 * record.noise_variance[:6]
-    return record.dt**2 * by_wrench @ np.diag(variance) @ by_wrench.T
-
-
-def test_what_acts_at_once_on_two_discs_is_what_newton_and_euler_say():
-    """Two of the six motions have no process noise but this."""
-    running = Running(recording("bilateral").records[0]).run(30)
-    record, before = running.record, running.belief["motion_cov"].copy()
-    running.predict(30)
-    A, G = np.split(running.scratch["time"]["step"]["total"], [running.size], axis=1)
-    constant = A @ before @ A.T + G @ np.diag(record.noise_variance[:6]) @ G.T
-    R = half_way(record.jaw, running.belief["motion"], running.belief["motion"])[1]
-    mass, rho = float(record.jaw["mass"]), record.jaw["centre_of_mass"]
-    across = np.cross(np.eye(3), record.jaw["mouthpiece"] - rho)  # rows: e x r
-    spin = np.linalg.inv(record.jaw["inertia"]) @ np.hstack([-across.T, np.eye(3)])
-    place = R @ (np.hstack([np.eye(3) / mass, np.zeros((3, 3))]) + np.cross(rho, spin.T).T)
-    expected = impulse(np.vstack([place, spin]), record, 30)
-    found = (running.belief["motion_cov"] - constant)[6:, 6:]
-    sd = np.sqrt(np.diag(expected))
-    np.testing.assert_array_equal(running.belief["motion_cov"], running.belief["motion_cov"].T)
-    np.testing.assert_allclose(found / np.outer(sd, sd), expected / np.outer(sd, sd), rtol=0, atol=0.02)
-    assert np.linalg.eigvalsh(expected / np.outer(sd, sd)).min() > 1e-4
-
-
 @pytest.mark.parametrize("early", [True, False], ids=["early", "late"])
-@pytest.mark.parametrize("model", ["jaw", "bilateral"])
-def test_the_separated_filter_is_the_joint_one(model, early, rng):
+def test_the_separated_filter_is_the_joint_one(early, rng):
     """The joint belief from the separated one and the prior that the joint one needs, after 100 ticks with holes."""
-    running = Running(recording(model, cohort="healthy").records[0], early=early)
+    running = Running(recording("jaw", cohort="healthy").records[0], early=early)
     joint, n = Joint(running), running.size
     for k in range(101):
         if k > 0:
@@ -109,9 +77,8 @@ def test_the_separated_filter_is_the_joint_one(model, early, rng):
     np.testing.assert_array_equal(running.belief["score"][running.columns :], 0.0)
 
 
-@pytest.mark.parametrize("model", ["jaw", "bilateral"])
-def test_the_encoders_rows_are_those_of_an_independent_model(model, rng):
-    running = Running(recording(model).records[0])
+def test_the_encoders_rows_are_those_of_an_independent_model(rng):
+    running = Running(recording("jaw").records[0])
     for _ in range(10):
         running.belief["motion"] = running.record.start_mean + 1e-2 * rng.normal(size=running.size)
         running.expected()
@@ -119,15 +86,14 @@ def test_the_encoders_rows_are_those_of_an_independent_model(model, rng):
         np.testing.assert_allclose(running.scratch["update"]["rows"], expected, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize("model", ["jaw", "bilateral"])
-def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
+def test_motion_and_score_of_another_patient_from_those_of_this_one(rng):
     """Finite differences: run at other parameters, or run and moved there by ``recentre``.
 
     On readings without innovations: what those are multiplied by depends on the patient too, which no such filter
-    differentiates. Lines and the Jacobian are taken half way through a step: on the stiff discs of two condyles that
-    costs up to 13 % of the score's change, else 6 %.
+    differentiates. Lines and the Jacobian are taken half way through a step: that costs up to 6 % of
+    the score's change.
     """
-    kwargs = {"record": True, "model": model, "episode_s": 1.0}
+    kwargs = {"record": True, "episode_s": 1.0}
     record = jawenv.play(load_agent(SWINGS, control="force"), patients=1, seed=5000, env_kwargs=kwargs).records[0]
     record = Running(record).foresee(80)
     theta = record.prior.mean + 1e-3 * rng.uniform(0.5, 1.5, len(record.prior.mean))
@@ -142,7 +108,7 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     told = np.diag(stayed.information) > 0.0
     scale = np.sqrt(np.diag(stayed.information)[told])
     change, wrong = ((other.score - each.score)[told] / scale for each in (stayed, moved))
-    assert np.abs(wrong).max() < (0.1 if model == "jaw" else 0.2) * np.abs(change).max()
+    assert np.abs(wrong).max() < 0.1 * np.abs(change).max()
 
 
 def test_without_gain_error_its_column_stays_apart():

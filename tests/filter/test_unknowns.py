@@ -77,7 +77,6 @@ def test_inertia_is_drawn_and_has_no_direction_and_the_cell_turns_by_itself():
     jaw = build_jaw()
     changed = changed_jaw(jaw, known, MUSCLES, values)
     np.testing.assert_allclose(changed["inertia"], 1.2 * jaw["inertia"])
-    np.testing.assert_allclose(changed["inertia_inverse"] @ changed["inertia"], np.eye(3), atol=1e-12)
     np.testing.assert_allclose(cell_turn_of(known, values), np.radians([0.5, 0.0, -0.5]))
     np.testing.assert_array_equal(turn_of(known, values), 0.0)
     found = directions(known, MUSCLES, jaw, MEAN)

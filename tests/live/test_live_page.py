@@ -228,7 +228,7 @@ def test_another_patient_and_a_refused_choice(tmp_path):
         page._fulfil(page._change)
         assert page.session.setup.seed == 501 and len(page._shown.scene.parameter_names) == 4
         page.step()
-        page._choices.fields["model"].value = "bilateral"
+        page._choices.fields["model"].value = "sagittal"
         page._choices.fields["knowledge"].value = "imaged"
         page._fulfil(page._change)
         assert page.session.setup.world.model == "sides"

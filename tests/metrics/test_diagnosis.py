@@ -31,7 +31,7 @@ def test_who_has_learned_nothing_is_sensitive_and_specific_to_nothing():
 def test_a_line_that_stands_for_several_muscles_has_a_threshold_as_much_higher():
     names = {name: model.muscles.parameter_names for name, model in MODELS.items()}
     found = {name: whole_muscles_per_line(parameters) for name, parameters in names.items()}
-    assert found == {"hinge": 6.0, "sagittal": 2.0, "sides": 1.0, "jaw": 1.0, "portions": 0.5, "bilateral": 1.0}
+    assert found == {"hinge": 6.0, "sagittal": 2.0, "sides": 1.0, "jaw": 1.0, "portions": 0.5}
     assert whole_muscles_per_line(["log_F_o/tongue", "log_b/tongue"]) == 1.0
     recording = linear_gaussian(20, parameters=names["hinge"])
     made = score(recording)

@@ -72,7 +72,7 @@ def test_creep_and_reflex_act_together(jaw, rng):
     np.testing.assert_allclose(added, GAIN * LAG * rates, rtol=1e-4)
 
 
-def test_two_condyles_lift_what_they_press(jaw, rng):
+def test_a_lift_stretches_what_it_raises(jaw, rng):
     """A lift shifts the mandible, and its rate moves it: an insertion moves by ``up`` and ``rate`` along z."""
     muscles, up, rate = drawn_muscles(rng), 0.4e-3, 3e-3
     tissue = Tissue(jaw, muscles, reflex_gain=GAIN)

@@ -99,22 +99,14 @@ def test_two_parameters_that_hang_together_show_where_there_is_room(model):
     assert (scenes.differ(one, other, scenes.POSTERIOR) > 50) == (size < 12)
 
 
-@pytest.mark.parametrize("model", ["sagittal", "bilateral"])
-def test_a_lifted_condyle_is_told_from_a_pressed_one(model):
-    pressed, lifted = (scenes.scene(model=model, lift_m=lift) for lift in (0.1e-3, -1e-3))
+def test_a_lifted_condyle_is_told_from_a_pressed_one():
+    pressed, lifted = (scenes.scene(model="sagittal", lift_m=lift) for lift in (0.1e-3, -1e-3))
     assert (pressed.condyle_gap_m < 0).all() and lifted.condyle_gap_m == pytest.approx(1e-3, abs=2e-5)
     renderer = Renderer("rgb_array", 20)
     one, other = renderer.draw(pressed), renderer.draw(lifted)
     ink = palette.mix(palette.GOOD, palette.INK, 0.2)
     part = np.s_[60:270, 20:794]
     assert scenes.coloured(one, part, ink) > 20 and scenes.coloured(other, part, ink) == 0
-
-
-def test_one_condyle_may_press_while_the_other_is_lifted():
-    c, s = np.cos(0.03), np.sin(0.03)
-    roll = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-    left, right = scenes.scene(model="bilateral", opening=0.0, rotation=roll, lift_m=-1.4e-3).condyle_gap_m
-    assert left == pytest.approx(-0.1e-3, abs=1e-5) and right == pytest.approx(2.9e-3, abs=1e-5)
 
 
 @models

@@ -52,8 +52,6 @@ def expected_measurements(jaw: Any, states: Array) -> tuple[Array, Array, Array]
     Returns:
         (N, 12) readings, (N, 12, 10) their derivatives by the state, (N, 5) rates of q.
     """
-    if jaw["condyles"] != 1:
-        raise InputError(f"jaw.condyles is {jaw['condyles']}; allowed: 1: the midline model")
     number = len(states)
     expected, rows = np.empty((number, N_MEASUREMENTS)), np.empty((number, N_MEASUREMENTS, N_STATES))
     rates = np.empty((number, N_COORDINATES))

@@ -15,13 +15,10 @@ from jawenv.mechanics.jaw import Jaw
 
 @njit_within
 def _follow_bound(model: Jaw, world: World, settings: Settings, scratch: BoundScratch, path):
-    """The bound of one world after its last control period, or after its first reading.
-
-    It is linearised at the true jaw, unless that is of another kind than the filter's ``model``.
-    """
+    """The bound of one world after its last control period, or after its first reading."""
     truth, tick = world.truth, world.known.tick
     rows, begun, filter_settings = path.shape[0], tick == 0, settings.filter
-    jaw = truth.jaw if filter_settings.nuisances.mass.shape[0] > 0 and truth.jaw.condyles == model.condyles else model
+    jaw = truth.jaw if filter_settings.nuisances.mass.shape[0] > 0 else model
     if begun:
         begin_bound(filter_settings, truth.bound)
     for k in range(tick if begun else tick - settings.control.ticks_per_step + 1, tick + 1):

@@ -8,13 +8,11 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.world.plants import true_state
 from jawenv.envs.world.record import Truth
 from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.jaw import Jaw
 
 
 class _TrueTick:
@@ -46,7 +44,7 @@ def keep_reading(tick, measured, samples, used, ticks):
 
 
 @njit
-def keep_truth(model: Jaw, truth: Truth, tick, wrench, trend, path):
+def keep_truth(truth: Truth, tick, wrench, trend, path):
     """Write what was true into row ``tick`` of ``path``, which begins anew where it has fewer rows than ticks."""
     row = path[tick % path.shape[0]]
     for i in range(row.wrench.shape[0]):
@@ -55,4 +53,4 @@ def keep_truth(model: Jaw, truth: Truth, tick, wrench, trend, path):
     row.trend[:] = trend
     row.friction_share[:] = truth.friction_share
     for i in range(row.state.shape[0]):
-        row.state[i] = true_state(model, truth, i)
+        row.state[i] = truth.state[i]

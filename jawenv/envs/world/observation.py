@@ -27,7 +27,7 @@ from jawenv.filter.belief.state import FilterSettings
 from jawenv.filter.model.joint_step import set_muscles
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import midline_motion, rotation, split, split_body
+from jawenv.mechanics.kinematics import rotation, split
 
 _POSE = _REST["pose"].start
 _RATES = _REST["rates"].start
@@ -46,17 +46,6 @@ def _bounded(value):
     if not value > -OBSERVATION_BOUND:
         return -OBSERVATION_BOUND
     return min(value, OBSERVATION_BOUND)
-
-
-@njit
-def _filtered_motion(model: Jaw, mean):
-    """The estimated motion in the midline model's coordinates, and the lift of the condyles' midpoint."""
-    if model.condyles == 2:
-        body_q, body_u = split_body(mean)
-        q, u, lift, lift_rate = midline_motion(model, body_q, body_u)
-        return q, u, (lift, lift_rate)
-    q, u = split(mean)
-    return q, u, ON_PATH
 
 
 @njit
@@ -80,12 +69,12 @@ def observe_world(
         row[i] = _bounded((known.belief.mean[i] - prior.prior_mean[i]) / prior.prior_sd[i])
         row[parameters + i] = _bounded(log10(sd / prior.prior_sd[i]))
     sensed = row[2 * parameters :]
-    q, u, lift = _filtered_motion(model, known.belief.motion)
+    q, u = split(known.belief.motion)
     for i in range(5):
         sensed[_POSE + i] = _bounded(q[i] / POSE_SCALE[i])
         sensed[_RATES + i] = _bounded(u[i] / RATE_SCALE[i])
     body_to_head = rotation(q)
-    point, velocity = mouthpiece_motion(model, q, u, lift, body_to_head)
+    point, velocity = mouthpiece_motion(model, q, u, ON_PATH, body_to_head)
     limits = known.limits
     excursion = excursions(limits, model, point)
     ranges = (limits.opening, limits.side, limits.fore_aft)
@@ -106,7 +95,7 @@ def observe_world(
     set_muscles(model, known.belief.mean, 0, scratch.muscles)
     force = sqrt(known.reading[0] ** 2 + known.reading[1] ** 2 + known.reading[2] ** 2)
     set_tension_limits(model, scratch.muscles, limits, scratch.tension_limits)
-    used_fractions(model, scratch.muscles, limits, scratch.tension_limits, (q, u, lift), force, scratch.fractions)
+    used_fractions(model, scratch.muscles, limits, scratch.tension_limits, (q, u, ON_PATH), force, scratch.fractions)
     for i in range(N_LIMITS):
         sensed[_MARGIN + i] = _bounded(1.0 - scratch.fractions[i])
     sensed[_TIME] = 1.0 - known.tick / (control.steps * control.ticks_per_step)

@@ -2,17 +2,17 @@
 
 Such jaws move one after another, so each tick is taken in three parts: the motors' command (compiled), the motion (in
 Python, asking the compiled device for its wrench at every step), and load cell, filter and comfort (compiled). A motion
-is that of a free mandible, (q, u) as ``jawenv.mechanics.bilateral`` has it, two tuples of six.
+is that of a free mandible, (q, u) as ``jawenv.mechanics.kinematics`` has it, two tuples of six.
 """
 
 from __future__ import annotations
 
+from jawenv.device.comfort import Limits
 from jawenv.device.device import TICK
-from jawenv.device.motors import device_wrench
-from jawenv.envs.world.condyles import count_from_rest
+from jawenv.device.motors import device_wrench, mouthpiece_motion
 from jawenv.envs.world.plants import add_moments, clear_moments, end_motion, lift_of, plus_wrench, take_free_body
 from jawenv.envs.world.record import Truth
-from jawenv.envs.world.reset_kernel import begin_device, begin_reality, reset_belief
+from jawenv.envs.world.reset_kernel import REST_OPENING_MAX, REST_SIDE_MAX, begin_device, begin_reality, reset_belief
 from jawenv.envs.world.step_kernel import (
     StepRows,
     begin_first_tick,
@@ -22,28 +22,21 @@ from jawenv.envs.world.step_kernel import (
     end_tick,
     take_motion,
 )
-from jawenv.kernels.compiled import njit, where
-from jawenv.kernels.runge_kutta import set_state
-from jawenv.mechanics.kinematics import split
+from jawenv.kernels.compiled import njit
+from jawenv.mechanics.kinematics import rotation, split
 from jawenv.reality.joint import tissue_push
 
 
-def _without_body(truth: Truth, motion):
-    return False
-
-
-@where(lambda truth: truth.typeof("body").shape[0], otherwise=_without_body)
-def _keep_body(truth: Truth, motion):
-    """The twelve numbers as they are, where the filter's model has two condyles and so believes in all of them."""
-    set_state(truth.body, motion[0], motion[1])
-    return True
-
-
 @njit
-def _take_moved(truth: Truth, motion):
-    """Set what ``truth`` has of the motion of a jaw that Python has moved."""
-    _keep_body(truth, motion)
-    take_free_body(truth, motion[0], motion[1])
+def _count_from_rest(truth: Truth, limits: Limits):
+    """Count the limits, which keep their widths, from where the jaw rests; whether the device can treat it there."""
+    q, u = split(truth.state)
+    point, _ = mouthpiece_motion(truth.jaw, q, u, lift_of(truth), rotation(q))
+    limits.rest_opening = truth.jaw.mouthpiece[2] - point[2]
+    limits.rest_side = point[1]
+    limits.rest_condyle_side = q[1]
+    limits.path[0] = point[0]
+    return limits.rest_opening <= REST_OPENING_MAX and abs(limits.rest_side) <= REST_SIDE_MAX
 
 
 @njit
@@ -53,8 +46,8 @@ def plant_rest(devices, models, worlds, i, all_settings, scratches, motion):
     It has begun at the midline model's rest, whose random numbers are drawn again.
     """
     device, world, settings = devices[0], worlds[i], all_settings[0]
-    _take_moved(world.truth, motion)
-    treatable = count_from_rest(world.truth, world.known.limits)
+    take_free_body(world.truth, motion[0], motion[1])
+    treatable = _count_from_rest(world.truth, world.known.limits)
     begin_device(device, models[i], world, settings)
     begin_reality(world.truth, settings.reality, scratches[i])
     reset_belief(device, models[i], world, settings, scratches[i])
@@ -89,7 +82,7 @@ def plant_wrench(devices, worlds, i, all_settings, scratches, motion, times):
         scratches[i],
         all_settings[0],
     )
-    _take_moved(truth, motion)
+    take_free_body(truth, motion[0], motion[1])
     q, u = split(truth.state)
     lift, servo = lift_of(truth), settings.control.servo
     wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, (q, u, lift), since, servo)
@@ -106,7 +99,7 @@ def plant_end(devices, models, worlds, i, all_settings, scratches, rows: StepRow
     if world.known.tick < 0:
         begin_first_tick(world.truth, scratch)
     else:
-        _take_moved(world.truth, motion)
+        take_free_body(world.truth, motion[0], motion[1])
         acted = max(scratch.acted, end_motion(device, world, scratch, settings.control.servo))
         take_motion(device, world, scratch, 1.0 / settings.control.ticks_per_step, acted)
     end_tick(device, models[i], world, settings, scratch, rows.ticks[i], rows.paths[i])

@@ -20,7 +20,7 @@ from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state, stage_place, stage_weight
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import midline_motion, split, split_body
+from jawenv.mechanics.kinematics import midline_motion, split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 from jawenv.reality.joint import tissue_push
 
@@ -31,12 +31,6 @@ SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick, more where the 
 def lift_of(truth: Truth):
     """The lift as a tuple."""
     return truth.lift[0], truth.lift[1]
-
-
-@njit_inlined
-def true_state(model: Jaw, truth: Truth, i):
-    """Number i of the true motion, in the coordinates of the filter's model."""
-    return truth.body[i] if model.condyles == 2 else truth.state[i]
 
 
 @njit_inlined
@@ -116,13 +110,6 @@ def midline_steps(device: DeviceRecord, world: World, scratch: Scratch, settings
 
 
 @njit
-def take_body(truth: Truth):
-    """Set the midline coordinates and the lift of ``truth`` from its body with two condyles."""
-    body_q, body_u = split_body(truth.body)
-    take_free_body(truth, body_q, body_u)
-
-
-@njit
 def take_free_body(truth: Truth, body_q, body_u):
     """Set the midline coordinates and the lift of ``truth`` from the motion (6, 6) of a free mandible."""
     q, u, lift, lift_rate = midline_motion(truth.jaw, body_q, body_u)
@@ -141,6 +128,13 @@ def end_motion(device: DeviceRecord, world: World, scratch: Scratch, trajectory)
         for i in range(N_MOTORS):
             known.motors.target[i] += known.motors.rate[i] * TICK
     return governed
+
+
+@njit
+def true_motion(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
+    """Move the jaw through one tick; samples the device's wrench, returns what of the governor acted."""
+    acted = midline_tick(device, world, scratch, settings)
+    return max(acted, end_motion(device, world, scratch, settings.control.servo))
 
 
 @njit

@@ -51,7 +51,6 @@ class Truth:
     motor_rate: Annotated[Array, N_MOTORS]  # at the end of the last tick, m/s
     state: Annotated[Array, N_STATES]
     lift: Annotated[Array, 2]  # of the condyles' midpoint above its path (m), and its rate (m/s)
-    body: Annotated[Array, "body"]  # of the plant with two condyles
     unmodelled: Annotated[Array, 6]  # the wrench that no model explains, in this tick
     reality: RealityState
     key: Annotated[NDArray[np.uint64], 2]
@@ -68,7 +67,7 @@ class Truth:
 
 
 @cache
-def truth_dtype(n_muscles: int, n_lines: int, n_body: int, n_nuisances: int, n_bound: int) -> np.dtype[np.void]:
+def truth_dtype(n_muscles: int, n_lines: int, n_nuisances: int, n_bound: int) -> np.dtype[np.void]:
     """Dtype of ``Truth``."""
     return record_dtype(
         Truth,
@@ -76,7 +75,6 @@ def truth_dtype(n_muscles: int, n_lines: int, n_body: int, n_nuisances: int, n_b
         parameters=2 * n_muscles,
         lines=n_lines,
         nuisances=n_nuisances,
-        body=n_body,
         reality=reality_state_dtype(n_lines),
         bound=n_bound,
     )
@@ -115,9 +113,7 @@ class World:
 
 
 @cache
-def world_dtype(
-    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n_disturbance: int, n_body: int
-) -> np.dtype[np.void]:
+def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n_disturbance: int) -> np.dtype[np.void]:
     """Dtype of one world. Filter, observation and the law of targets control are given ``known`` alone.
 
     Args:
@@ -126,11 +122,8 @@ def world_dtype(
         n_states: Of the motion, in the filter's model.
         n_nuisances: What the filter knows within an sd beside the muscles (``filter.nuisances.changes``).
         n_disturbance: Components of the unmodelled wrench that are states of the filter: 6 where it has memory, or 0.
-        n_body: States of the plant with two condyles, 0 in a world of another.
     """
-    truth = truth_dtype(
-        n_muscles, n_lines, n_body, n_nuisances, joint_size(n_muscles, n_states, n_nuisances, n_disturbance)
-    )
+    truth = truth_dtype(n_muscles, n_lines, n_nuisances, joint_size(n_muscles, n_states, n_nuisances, n_disturbance))
     known = known_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance)
     return record_dtype(World, truth=truth, known=known)
 

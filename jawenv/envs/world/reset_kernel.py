@@ -11,9 +11,8 @@ from jawenv.device.comfort import ComfortRecord, Limits, set_general_limits, set
 from jawenv.device.comfort_settings import SMALLEST_RANGE_MM
 from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.motors import IDLE, ON_PATH, Motors, motor_point, mouthpiece_motion
-from jawenv.envs.world.condyles import REST_OPENING_MAX, REST_SIDE_MAX, rest_on_condyles
 from jawenv.envs.world.information import refresh_information
-from jawenv.envs.world.plants import lift_of, true_state
+from jawenv.envs.world.plants import lift_of
 from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.envs.world.step_kernel import REALITY_TICK, START_TICK, Shared, clear_step
 from jawenv.filter.model.encoders import measure
@@ -29,6 +28,9 @@ from jawenv.mechanics.kinematics import rotation, split
 from jawenv.reality.options import RealityRecord
 from jawenv.reality.state import reset_reality
 
+# A jaw that rests outside this box is not one that the device can treat.
+REST_OPENING_MAX = 0.035
+REST_SIDE_MAX = 0.005
 FULL_RANGE = 0.048  # m, mean maximal opening of healthy adults (Zawawi 2003)
 SMALLEST_RANGE = 1e-3 * SMALLEST_RANGE_MM
 RANGE_STEPS = 10
@@ -43,8 +45,6 @@ class _Beginning:
     right: Annotated[Array, 5]
     poses: Annotated[Array, RANGE_STEPS + 1, 5]
     places: Annotated[Array, RANGE_STEPS + 1, 3]
-    body_matrix: Annotated[Array, 6, 6]
-    body_right: Annotated[Array, 6]
 
 
 @cache
@@ -140,7 +140,7 @@ def reset_belief(device: DeviceRecord, model: Jaw, world: World, settings: Setti
     began, sd = known.belief.began, settings.filter.start_sd
     size = len(began)
     for i in range(size):
-        began[i] = true_state(model, truth, i) + sd[i] * normals[i]
+        began[i] = truth.state[i] + sd[i] * normals[i]
     begin_filter(model, known.belief, began, settings.filter)
     truth.cell_gain = device.cell_gain * normals[size]
     truth.bound[:, :] = np.nan
@@ -191,8 +191,6 @@ def _begin_world(device: DeviceRecord, model: Jaw, world: World, settings: Setti
     last = _open_slowly(truth.jaw, truth.muscles, settings.comfort, truth.state, beginning)
     truth.lift[0], truth.lift[1] = 0.0, 0.0
     if last < 0 or not _set_limits(truth.jaw, truth.muscles, settings.comfort, limits, last, beginning):
-        return False
-    if not rest_on_condyles(truth, limits, beginning):
         return False
     truth.violated = False
     truth.acted = IDLE

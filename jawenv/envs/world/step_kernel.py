@@ -18,11 +18,10 @@ from jawenv.device.device import LAW_TICKS, TICK, DeviceRecord
 from jawenv.device.force_sensor import read_force
 from jawenv.device.motors import command_motors
 from jawenv.envs.observation import Parts
-from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.information import refresh_information
 from jawenv.envs.world.kept_ticks import keep_reading, keep_truth
 from jawenv.envs.world.observation import observe_world
-from jawenv.envs.world.plants import lift_of
+from jawenv.envs.world.plants import lift_of, true_motion
 from jawenv.envs.world.record import Known, Scratch, Settings, Truth, World, seeing_dtype
 from jawenv.envs.world.tracking import aim, follow, move_targets
 from jawenv.filter.learn import conclude
@@ -181,7 +180,7 @@ def end_tick(device: DeviceRecord, model: Jaw, world: World, settings: Settings,
     key, tick = (truth.key[0], truth.key[1]), known.tick if known.tick >= 0 else FIRST_READING_TICK
     fail(settings.reality, truth.reality, key, tick, scratch.measured, scratch.samples, scratch.faults)
     known.tick += 1
-    keep_truth(model, truth, known.tick, scratch.wrench, known.belief.trend, path)
+    keep_truth(truth, known.tick, scratch.wrench, known.belief.trend, path)
     read(model, known, settings, scratch, ticks)
 
 

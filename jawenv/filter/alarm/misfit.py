@@ -31,7 +31,7 @@ from jawenv.mechanics.jaw import Jaw
 BLOCK = 100  # ticks: a second, long beside the jaw's own motion and short beside a maneuver
 ALARM = 50.0  # chi-squared of 12 has a chance of 1e-6 to be above: linearisation takes its share
 
-SLOW = (0.01, 0.015)  # m/s, on average over a block, on one point and on two condyles, whose rates are read less well
+SLOW = 0.01  # m/s, on average over a block
 FEWEST = 8  # slow blocks, of which each counts for ``MOST`` at most, and whose mean has so many sds above its own
 MOST, MARGIN = 25.0, 1.75
 
@@ -43,7 +43,7 @@ def add_to_block(jaw: Jaw, belief: Belief, scratch: UpdateScratch):
     for i in range(N_MEASUREMENTS):
         block.innovation[i] += scratch.whitened_innovation[i]
     block.rows += scratch.by_tension_rows
-    block.speed += speed_of(jaw, belief.motion) / (SLOW[jaw.condyles - 1] * BLOCK)
+    block.speed += speed_of(jaw, belief.motion) / (SLOW * BLOCK)
     block.ticks += 1
     if block.ticks == BLOCK:
         _judge_block(belief, scratch)

@@ -24,7 +24,7 @@ from jawenv.filter.bound.joint_recursion import (
     recursion_dtype,
     take_rows,
 )
-from jawenv.filter.model.encoders import expect
+from jawenv.filter.model.encoders import measure
 from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.model.regressors import middle_of
 from jawenv.filter.nuisances.changes import add_readings, middle_rates, set_wrenches
@@ -119,7 +119,7 @@ def _extend_total(motion_total, decay, parameters, total):
 def read_bound(jaw: Jaw, motion, covariance, used, settings: FilterSettings, scratch: BoundScratch):
     """Take the readings of the end of a tick, of the true ``motion``, into the covariance."""
     joint, recursion = scratch.joint, scratch.recursion
-    expect(jaw, motion, joint.rows, joint.expected)
+    measure(jaw, motion, joint.rows, joint.expected)
     recursion.rows[:, :] = 0.0
     for i in range(joint.rows.shape[0]):
         for j in range(joint.rows.shape[1]):

@@ -1,6 +1,6 @@
 """The joint Kalman recursion over motion, log-parameters and load-cell gain: what the bound and the reference share.
 
-State: q and u (10, or 12 for a jaw with two condyles), natural logs of F_o and b per muscle (12 by default), relative
+State: q and u (10), natural logs of F_o and b per muscle (12 by default), relative
 gain error g of the load cell (1); 23 in all by default. The sizes come with the arrays.
 
 * The force on the jaw is the reading plus g times the recent trend of the readings. If g multiplied the reading itself,

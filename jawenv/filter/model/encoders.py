@@ -4,18 +4,9 @@ from __future__ import annotations
 
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, cross, vector3
-from jawenv.mechanics.dynamics import N_BODY, N_STATES
+from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import (
-    contact_point,
-    fossa,
-    midline_pose,
-    point_motion,
-    rotation,
-    split,
-    split_body,
-    turning_axes,
-)
+from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
 
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
 N_POSE = 6  # of these, position and angles
@@ -64,37 +55,3 @@ def measure(jaw: Jaw, state, rows, expected):
             rows[6 + i, 7 + j] = by_omega[i]
         rows[3 + j, 2 + j] = 1.0
         rows[9 + j, 7 + j] = 1.0
-
-
-@njit
-def measure_body(jaw: Jaw, state, rows, expected):
-    """Expected measurements (12) and their derivatives by the twelve states of two condyles, into ``rows`` (12, 12)."""
-    q, u = split_body(state)
-    pose = midline_pose(q)
-    body_to_head = rotation(pose)
-    arm = vector3(jaw.mouthpiece)
-    spin = cross((u[3], u[4], u[5]), arm)
-    point, velocity = point_motion(q, u, body_to_head, arm)
-    axes = turning_axes(pose)
-    units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    for i in range(N_MEASUREMENTS):
-        for j in range(N_BODY):
-            rows[i, j] = 1.0 if i == j else 0.0
-    for j in range(3):
-        by_angle = apply(body_to_head, cross(axes[j], arm))
-        velocity_by_angle = apply(body_to_head, cross(axes[j], spin))
-        by_omega = apply(body_to_head, cross(units[j], arm))
-        for i in range(3):
-            rows[i, 3 + j] = by_angle[i]
-            rows[6 + i, 3 + j] = velocity_by_angle[i]
-            rows[6 + i, 9 + j] = by_omega[i]
-        expected[j], expected[3 + j], expected[6 + j], expected[9 + j] = point[j], q[3 + j], velocity[j], u[3 + j]
-
-
-@njit
-def expect(jaw: Jaw, state, rows, expected):
-    """Expected measurements and their derivatives, by the model that ``jaw`` is of."""
-    if jaw.condyles == 2:
-        measure_body(jaw, state, rows, expected)
-    else:
-        measure(jaw, state, rows, expected)

@@ -1,6 +1,6 @@
-"""One step of the filter's model and its exact derivative, of the midline model or of the one with two condyles.
+"""One step of the filter's model and its exact derivative.
 
-The model is one classical Runge-Kutta step, or a few if the jaw is stiff, as discs always are. Its wrench is what the
+The model is one classical Runge-Kutta step, or a few if the jaw is stiff. Its wrench is what the
 load cell read at the start, the middle and the end of the step: a stiff servo changes its force within a step, and with
 the mean alone the predicted motion is off by a quarter of its change. The derivative is the same step applied to the
 variational equation, so that it is the derivative of the numbers that the filter computes, to rounding.
@@ -20,13 +20,13 @@ from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.linalg import add_scaled, multiply
 from jawenv.kernels.records import Array
 from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_place, stage_reach, stage_weight
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, Linear, linearised_rate, motion_of
+from jawenv.mechanics.dynamics import N_WRENCH, Linear, linearised_rate
 from jawenv.mechanics.jaw import Jaw
+from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 N_SAMPLES = 3  # of the load cell per step
 N_NOISE = 2 * N_WRENCH  # columns of the wrench not known: constant over a step, and tilting
-BODY_PARTS = 5  # of a 10 ms step: 2 ms, where the bounce on the discs, about 1000 rad/s, is stable and damped
 
 
 class Sensitivity:
@@ -143,22 +143,21 @@ def stage_share(part, stage, parts):
 
 
 @njit
-def step_parts(jaw: Jaw, muscles, state, dt, linear: Linear):
-    """Into how many parts the step from ``state`` (n) is divided, of the model that ``linear`` is made for."""
-    q, _ = motion_of(state, linear)
-    pose = (q[0], q[1], q[-3], q[-2], q[-1])
-    return parts_needed(fastest_rate(jaw, muscles, pose), dt, 1 if len(q) == N_STATES // 2 else BODY_PARTS)
+def step_parts(jaw: Jaw, muscles, state, dt):
+    """Into how many parts the step from ``state`` (n) is divided."""
+    q, _ = split(state)
+    return parts_needed(fastest_rate(jaw, muscles, q), dt, 1)
 
 
 @njit
 def propagate(jaw: Jaw, muscles, state, samples, trend, gain, dt, scratch: Sensitivity):
     """Advance ``state`` (n) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
 
-    The number of states is that of the model that ``scratch`` is made for. ``samples`` (3, 6) are the load cell's
+    ``samples`` (3, 6) are the load cell's
     readings at the start, middle and end. The wrench is the reading + g ``trend``, with g the gain error ``gain`` and
     ``trend`` (6) the recent trend of the load cell. A jaw that is stiff takes the step in parts (``parts_needed``).
     """
-    parts = step_parts(jaw, muscles, state, dt, scratch.linear)
+    parts = step_parts(jaw, muscles, state, dt)
     propagate_in(jaw, muscles, state, (samples, trend, gain), dt, parts, scratch)
 
 
@@ -198,7 +197,7 @@ def propagate_in(jaw: Jaw, muscles, state, cell, dt, parts, scratch: Sensitivity
     h = dt / parts
     for part in range(parts):
         _begin_derivative(scratch)
-        q, u = motion_of(state, scratch.linear)
+        q, u = split(state)
         arguments = (jaw, muscles, cell, part, parts, scratch)
         q, u = runge_kutta_step(_joint_rate, q, u, h, arguments)
         set_state(state, q, u)

@@ -8,7 +8,7 @@ way, x' = J x + B w with a wrench w constant over the step:
 
 both series to the fourth order (Van Loan 1978, IEEE Trans. Autom. Control 23:395, for the pair of them), for a part of
 the step, and composed to the whole. It needs one Jacobian where the derivative of the Runge-Kutta step itself
-(``joint_step``) needs four for every part; on the discs of two condyles, one for every part.
+(``joint_step``) needs four for every part.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.filter.model.joint_step import between_samples, set_jacobian, stage_share, step_parts
-from jawenv.kernels.compiled import njit, njit_within, where
+from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
-from jawenv.mechanics.dynamics import N_BODY, N_WRENCH, Linear, linear_dtype, linearised_rate, state_rate
+from jawenv.mechanics.dynamics import N_WRENCH, Linear, linear_dtype, linearised_rate, state_rate
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
 
@@ -121,9 +121,9 @@ def midline_rate(q, u, stage, h, arguments):
 
 
 @njit_within
-def midline_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
+def move(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
     """Move ``motion`` (10) of the midline model through a step; ``derive``: its derivative, into ``total``."""
-    parts = step_parts(jaw, scratch.muscles, motion, dt, scratch.linear)
+    parts = step_parts(jaw, scratch.muscles, motion, dt)
     h = dt / parts
     for part in range(parts):
         q, u = split(motion)
@@ -133,9 +133,3 @@ def midline_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
         set_part(h, scratch)
         for part in range(parts):
             append_part(part == 0, scratch)
-
-
-@where(lambda scratch: scratch.typeof("total").shape[0] < N_BODY, otherwise="jawenv.filter.model.body_step.body_step")
-def move(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
-    """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for."""
-    midline_step(jaw, motion, samples, dt, derive, scratch)

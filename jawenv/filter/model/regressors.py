@@ -20,16 +20,13 @@ from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 @njit
 def middle_of(jaw: Jaw, before, after):
     """The pose half way between two states, as the midline model's five coordinates, and the reference point there."""
-    angles = after.shape[0] // 2 - 3  # number of the first
     pose = (
         0.5 * (before[0] + after[0]),
         0.5 * (before[1] + after[1]),
-        0.5 * (before[angles] + after[angles]),
-        0.5 * (before[angles + 1] + after[angles + 1]),
-        0.5 * (before[angles + 2] + after[angles + 2]),
+        0.5 * (before[2] + after[2]),
+        0.5 * (before[3] + after[3]),
+        0.5 * (before[4] + after[4]),
     )
-    if jaw.condyles == 2:
-        return pose, (pose[0], pose[1], 0.5 * (before[2] + after[2]))
     return pose, contact_point(jaw, pose)
 
 

@@ -62,7 +62,7 @@ def change_jaw(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
 @njit
 def copy_rest(jaw: Jaw, changed: Jaw):
     """Copy the jaw's fields without nuisances."""
-    changed.condyles, changed.free_x, changed.free_y = jaw.condyles, jaw.free_x, jaw.free_y
+    changed.free_x, changed.free_y = jaw.free_x, jaw.free_y
     changed.tooth_stiffness, changed.condyle_stiffness = jaw.tooth_stiffness, jaw.condyle_stiffness
     changed.stop_width = jaw.stop_width
 

@@ -190,7 +190,6 @@ def _set_inverses(jaw: Any) -> None:
     """The inverses of a jaw's inertia about the contact point, for its free rotations."""
     rho, turns = jaw["centre_of_mass"], np.flatnonzero(np.diag(jaw["inertia_contact_inverse"]) > 0.0)
     about_contact = jaw["inertia"] + jaw["mass"] * (rho @ rho * np.eye(3) - np.outer(rho, rho))
-    jaw["inertia_inverse"] = np.linalg.inv(jaw["inertia"])
     jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
 
 

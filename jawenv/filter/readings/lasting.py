@@ -19,14 +19,13 @@ DRIFT_S, SLOWEST_DRIFT = 1.0, 3e-5  # s, m/s
 @njit
 def stay_of(jaw: Jaw, belief: Belief, dt):
     """Ticks that the mouthpiece takes for ``ALIKE`` at its velocity, smoothed over ``DRIFT_S``."""
-    slide, turning, end = (6, 9, 12) if jaw.condyles == 2 else (5, 7, 10)
     shift, turn, rates = 0.0, 0.0, belief.stay.drift_rates
-    for i in range(slide, end):
-        rates[i - slide] += dt / DRIFT_S * (belief.motion[i] - rates[i - slide])
-        if i < turning:
-            shift = hypot(shift, rates[i - slide])
+    for i in range(5):
+        rates[i] += dt / DRIFT_S * (belief.motion[5 + i] - rates[i])
+        if i < 2:
+            shift = hypot(shift, rates[i])
         else:
-            turn = hypot(turn, rates[i - slide])
+            turn = hypot(turn, rates[i])
     return ALIKE / (dt * max(shift + jaw.mouthpiece[0] * turn, SLOWEST_DRIFT))
 
 
@@ -37,10 +36,9 @@ def cell_of(jaw: Jaw, motion, n_cells):
     Poses far apart may share a number (a hash after Fowler, Noll and Vo): then what was learnt at the one makes the
     other count for less. Any number, NaN too, has a cell.
     """
-    turning, end = (3, 6) if jaw.condyles == 2 else (2, 5)
     number = np.uint64(14695981039346656037)
-    for i in range(end):
-        at = motion[i] * (jaw.mouthpiece[0] if i >= turning else 1.0)
+    for i in range(5):
+        at = motion[i] * (jaw.mouthpiece[0] if i >= 2 else 1.0)
         number = (number ^ np.uint64(np.int64(floor(at / ALIKE + 0.5)))) * np.uint64(1099511628211)
     return np.int64((number >> np.uint64(20)) % np.uint64(n_cells))
 
@@ -64,9 +62,8 @@ def count_ticks(jaw: Jaw, belief: Belief, settings: FilterSettings):
 @njit
 def speed_of(jaw: Jaw, motion):
     """The mouthpiece's, m/s, as turning and sliding fore-aft add up at most."""
-    slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
-    turn = abs(motion[turning]) + abs(motion[turning + 1]) + abs(motion[turning + 2])
-    return abs(motion[slide]) + jaw.mouthpiece[0] * turn
+    turn = abs(motion[7]) + abs(motion[8]) + abs(motion[9])
+    return abs(motion[5]) + jaw.mouthpiece[0] * turn
 
 
 @njit

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.belief.state import Belief, FilterSettings
-from jawenv.filter.model.encoders import expect
+from jawenv.filter.model.encoders import measure
 from jawenv.filter.readings.least_noise import ENCODER_SDS, WRENCH_SDS
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.jaw import Jaw
@@ -86,7 +86,7 @@ def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, sc
         if good and measured[i] == last[i]:
             repeats[i] += 1.0
             if steps[i] != 0.0 and not expected_known:
-                expect(jaw, belief.motion, scratch.update.rows, scratch.update.expected)
+                measure(jaw, belief.motion, scratch.update.rows, scratch.update.expected)
                 expected_known = True
             noise = SDS_OF_NOISE * sqrt(settings.measurement_variance[i] / repeats[i])
             explained = noise + (steps[i] if steps[i] < inf else 0.0)
@@ -108,15 +108,14 @@ def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, sc
 def _has_moved_on(jaw: Jaw, belief: Belief, changed):
     """Whether the believed mouthpiece has moved by ``STILL`` since the load cell last ``changed``."""
     pose, at = belief.motion, belief.sensors.unchanged_at
-    places = 3 if jaw.condyles == 2 else 2
     if changed:
-        for i in range(places + 3):
+        for i in range(5):
             at[i] = pose[i]
         return False
     shift, turn = 0.0, 0.0
-    for i in range(places):
+    for i in range(2):
         shift = hypot(shift, pose[i] - at[i])
-    for i in range(places, places + 3):
+    for i in range(2, 5):
         turn = hypot(turn, pose[i] - at[i])
     moved_on = shift + hypot(jaw.mouthpiece[0], jaw.mouthpiece[2]) * turn > STILL
     if moved_on:
@@ -177,14 +176,14 @@ def repair_samples(belief: Belief, samples, frozen, dt, variance, usable):
 
 
 @njit
-def is_resolved(belief: Belief, samples, rough, bites=False, after_teeth=0):
+def is_resolved(belief: Belief, samples, rough, bites=False):
     """Whether a tick's ``samples`` (3, 6) of the load cell resolve it, and those before; called once for each tick.
 
     ``rough`` (3,) is as ``rough_change`` has it. None is in which the jaw ``bites``.
     """
     if belief.waits > 0:
         belief.waits -= 1
-    belief.near = SETTLING + 1 + after_teeth if bites else max(belief.near - 1, 0)
+    belief.near = SETTLING + 1 if bites else max(belief.near - 1, 0)
     for k in range(3):
         first, middle, last = samples[0, k], samples[1, k], samples[2, k]
         if abs(last - first) > rough[k] or abs(last - 2.0 * middle + first) > rough[k]:

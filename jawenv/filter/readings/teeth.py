@@ -5,7 +5,7 @@ from __future__ import annotations
 from jawenv.filter.belief.state import Belief
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import apply, row3, vector3
-from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.forces import smooth_ramp
 from jawenv.mechanics.jaw import N_TEETH, Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
@@ -22,8 +22,7 @@ TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 @njit
 def bite_of(jaw: Jaw, motion, nearer=0.0):
     """Force (N) with which the teeth press, or would press if they were ``nearer`` (m)."""
-    first = 3 if jaw.condyles == 2 else 2  # of the angles
-    pose = (motion[0], motion[1], motion[first], motion[first + 1], motion[first + 2])
+    pose = (motion[0], motion[1], motion[2], motion[3], motion[4])
     return _bite_at(jaw, contact_point(jaw, pose)[2] + nearer, rotation(pose))
 
 
@@ -51,7 +50,7 @@ def bite_read(jaw: Jaw, measured, nearer):
     A belief that has one side too stiff or too soft takes a jaw for lifted that rests on the teeth of one side.
     """
     body_to_head = rotation((0.0, 0.0, measured[3], measured[4], measured[5]))
-    height = measured[2] + (0.0 if jaw.condyles == 2 else jaw.zero[2])
+    height = measured[2] + jaw.zero[2]
     return _bite_at(jaw, height - apply(body_to_head, vector3(jaw.mouthpiece))[2] + nearer, body_to_head)
 
 
@@ -74,7 +73,7 @@ def forget_motion(jaw: Jaw, belief: Belief, before, sd):
     It begins from the motion ``before`` the tick, about which the readings are nearly linear: what a wrong belief makes
     of a tick beside the teeth may be far off. What is known of a disturbance with memory stays.
     """
-    for i in range(12 if jaw.condyles == 2 else 10):
+    for i in range(N_STATES):
         belief.motion_cov[i, :] = 0.0
         belief.motion_cov[:, i] = 0.0
         belief.motion_cov[i, i] = LOST_SDS * LOST_SDS * sd[i] * sd[i]

@@ -19,7 +19,7 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.filter.belief.state import Belief
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.filter.model.motion_step import move
 from jawenv.filter.updates.disturbance import add_disturbance
@@ -101,7 +101,7 @@ def predict_from_past(jaw: Jaw, belief: Belief, dt, scratch):
 @njit
 def set_rows_of_past(jaw: Jaw, belief: Belief, used, scratch):
     """The rows of the used readings at the predicted motion."""
-    expect(jaw, belief.predicted, scratch.rows, scratch.expected)
+    measure(jaw, belief.predicted, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
         if not used[i]:
             scratch.rows[i, :] = 0.0

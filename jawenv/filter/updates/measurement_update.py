@@ -25,7 +25,7 @@ import numpy as np
 
 from jawenv.filter.belief.state import Belief, FilterSettings, lose_motion, shared_columns, tension_columns
 from jawenv.filter.model.basis import set_derivatives
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.nuisances.if_any import NuisanceScratch, add_nuisance_readings, nuisance_scratch_dtype
 from jawenv.filter.updates.instrument import set_rows_of_past
 from jawenv.kernels.compiled import njit, njit_within
@@ -76,7 +76,7 @@ def update_scratch_dtype(n_muscles: int, n_lines: int, n_motion: int, n_nuisance
 @njit
 def _set_innovation(jaw: Jaw, motion, measured, variances, used, scratch: UpdateScratch):
     """Innovations, rows and variances of the readings in use."""
-    expect(jaw, motion, scratch.rows, scratch.expected)
+    measure(jaw, motion, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
         if used[i]:
             scratch.innovation[i] = measured[i] - scratch.expected[i]
@@ -204,8 +204,7 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, weight, settings: Fi
     multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
     add_nuisance_readings(jaw, belief, settings, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)
-    # On two condyles it saves nobody, and a jaw that is held against its stops is then believed; so are slack straps.
-    alone = jaw.condyles == 1 and belief.nuisances.shape[0] == 0
+    alone = belief.nuisances.shape[0] == 0  # else slack straps are believed
     belief.refused = belief.refused + 1 if alone and verdict == REFUSED and _is_wide(belief) else 0
     correct_motion(belief, scratch)
     if weight > 0.0 and verdict != REFUSED:

@@ -40,8 +40,6 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
 
-MISSED_CHANGE, MISSED_NOISE = 0.2, 0.05  # shares of a wrench's change and of its noise that three samples miss
-
 
 class TimeScratch:
     """Working memory of the time update."""
@@ -110,8 +108,6 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
         return
     set_total(scratch.step.total, settings.disturbance_decay, scratch.total)
     predict_cov(belief.motion_cov, noise_variance, scratch)
-    if jaw.condyles == 2:
-        _add_impulse(belief.motion_cov, samples, noise_variance, dt, scratch.step.linear.by_input)
     decay_disturbance(belief, settings)
     if settings.motion_only:
         return
@@ -125,13 +121,10 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
 
 @njit
 def set_balanced_trend(jaw: Jaw, belief: Belief, pose, scratch: TimeScratch):
-    """Set ``scratch.trend`` (6) to the load cell's trend; with one reference point to the trend that the pose needs.
+    """Set ``scratch.trend`` (6) to the trend of the load cell that the pose needs.
 
     Where damping is unknown as well, that of the motion.
     """
-    scratch.trend[:] = belief.trend
-    if jaw.condyles == 2:
-        return
     _, u = split(scratch.start_motion)
     if belief.nuisances.shape[0] == 0:
         u = (0.0, 0.0, 0.0, 0.0, 0.0)
@@ -141,7 +134,7 @@ def set_balanced_trend(jaw: Jaw, belief: Belief, pose, scratch: TimeScratch):
 @njit
 def set_inertia_column(jaw: Jaw, belief: Belief, pose, dt, scratch: TimeScratch):
     """The wrench of the predicted acceleration, by which the gain error is a number of its own (``shared_columns``)."""
-    if jaw.condyles == 2 or belief.nuisances.shape[0] > 0:
+    if belief.nuisances.shape[0] > 0:
         return
     (_, u), (_, after) = split(scratch.start_motion), split(scratch.instrument.motion)
     set_accelerating(jaw, pose, _rate_of(u, after, dt), scratch.accelerating)
@@ -180,27 +173,6 @@ def predict_cov(covariance, noise_variance, scratch: TimeScratch):
         for j in range(size):
             # One of two numbers that differ by rounding, so that P stays symmetric.
             covariance[i, j] = scratch.next_cov[max(i, j), min(i, j)]
-
-
-@njit
-def _add_impulse(covariance, samples, noise_variance, dt, by_wrench):
-    """Add to the motion's covariance (n, n) what a wrench that changes within the tick may do on two discs.
-
-    ``by_wrench`` (n / 2, 6) is the derivative of the accelerations. Two of a body's six motions bounce on the discs by
-    10 rad in a tick. A wrench that is constant over it leaves them as they were, and constant process noise would have
-    nothing there. What three samples miss of a wrench's course moves them: shares of its change and noise act at once.
-    """
-    half = by_wrench.shape[0]
-    for k in range(N_WRENCH):
-        first, middle, last = samples[0, k], samples[1, k], samples[2, k]
-        change = MISSED_CHANGE * max(abs(last - first), abs(last - 2.0 * middle + first))
-        variance = dt * dt * (change * change + MISSED_NOISE * MISSED_NOISE * noise_variance[k])
-        for i in range(half):
-            for j in range(i + 1):
-                value = by_wrench[i, k] * variance * by_wrench[j, k]
-                covariance[half + i, half + j] += value
-                if j < i:
-                    covariance[half + j, half + i] += value
 
 
 @njit

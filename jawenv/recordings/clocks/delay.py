@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.mechanics.dynamics import N_BODY
 from jawenv.recordings import defaults
 from jawenv.recordings.defaults import UNMODELLED_TIME
 from jawenv.recordings.identification import identified
@@ -75,7 +74,7 @@ def in_time(record: Record) -> tuple[Record, _Delay]:
 def delay_of(record: Record) -> _Delay:
     """Delay of the forces of a recording; 0 where it is too short, or no load cell is read within ticks."""
     margin = int(np.ceil((_FURTHEST_S + _FINE_S) / record.dt)) + 1
-    alone = len(record.start_mean) == N_BODY or record.force_sensor != "cell" or _once_a_tick(record)
+    alone = record.force_sensor != "cell" or _once_a_tick(record)
     if alone or record.time[-1] < 1.0 + 2.0 * margin * record.dt:
         return _Delay(0.0, 0.0)
     if record.time[-1] > _LONG_S:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.recordings.clocks.delay import delay_of
 from jawenv.recordings.columns import AXES
 from jawenv.recordings.estimate import Array
@@ -149,7 +149,7 @@ def _lines(matrix: Array) -> list[str]:
 def _from_closed(record: Record) -> Array:
     """(T,) mm of the mouthpiece below its place with the jaw closed, NaN where not read."""
     rows, closed = np.zeros((N_MEASUREMENTS, len(record.start_mean))), np.zeros(N_MEASUREMENTS)
-    expect(record.jaw, np.zeros(len(record.start_mean)), rows, closed)
+    measure(record.jaw, np.zeros(len(record.start_mean)), rows, closed)
     below: Array = 1e3 * (closed[2] - record.measured[:, 2])
     return below
 

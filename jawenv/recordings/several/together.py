@@ -16,7 +16,6 @@ from scipy.stats import chi2
 
 from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError
-from jawenv.mechanics.dynamics import N_BODY
 from jawenv.recordings.defaults import UNMODELLED_TIME
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
@@ -171,8 +170,6 @@ def _check(records: Sequence[Record]) -> None:
     if not 2 <= len(records) <= MOST:
         raise InputError(f"{len(records)} recordings; allowed: 2 to {MOST}")
     first = records[0]
-    if len(first.start_mean) == N_BODY:
-        raise InputError("recordings of two condyles; allowed together: those of one reference point")
     for record in records[1:]:
         same = {
             "model": record.parameter_names == first.parameter_names

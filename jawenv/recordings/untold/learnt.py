@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jawenv.base.errors import InputError
-from jawenv.mechanics.dynamics import N_BODY
 from jawenv.recordings.defaults import UNMODELLED_TIME
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import Identification, identified
@@ -49,8 +48,6 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
         mean: (p,) the filter's last belief.
         cov: (p, p) its covariance.
     """
-    if len(record.start_mean) == N_BODY:  # on two condyles everything else is taken for exact
-        return None
     record = divided(record, max(1, round(record.dt / UNMODELLED_TIME)))
     blocks = blocks_of(record, mean)
     if len(blocks.score) < _FEWEST or not np.isfinite(blocks.information).all():

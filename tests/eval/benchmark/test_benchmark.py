@@ -85,7 +85,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["slow_opening", "--tasks", ","], "tasks is none; allowed"),
         (["nobody"], "agent is 'nobody'; allowed"),
         (["ppo_trismus", "--tasks", "hinge-exact"], "was trained in jawenv/Jaw-v3, not in that of these tasks"),
-        (["clairvoyant", "--tasks", "bilateral-exact"], "clairvoyant plans in another environment than that of these"),
+        (["clairvoyant", "--tasks", "hinge-exact"], "clairvoyant plans in another environment than that of these"),
     ],
 )
 def test_what_cannot_be_played_is_one_line(tmp_path, capsys, arguments, message):

@@ -204,7 +204,6 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
         (["hold_still", "--patients", "0"], "patients is 0; allowed"),
         (["hold_still", "--reality", "creep=much"], "reality is 'creep=much'"),
         (["hold_still", "--device", "cell_force_N=-1"], "device.cell_force_N is -1.0; allowed: a finite number"),
-        (["hold_still", "--estimator", "two"], "estimator is 'two'; allowed in Jaw: midline"),
         (["hold_still", "--device", "cell=1"], "device.cell is not a field of Device; allowed: vertical_arm_mm, "),
         (["hold_still", "--env", "Knee"], "env is 'Knee'; allowed"),
         (["hold_still", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),

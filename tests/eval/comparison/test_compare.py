@@ -144,13 +144,6 @@ def test_an_entry_named_twice_counts_once():
     assert len(load_entries(["hold_still", "hold_still"], Settings().world)) == 1
 
 
-def test_the_filters_mechanics_go_to_the_environment():
-    assert "estimator" not in Settings().world.arguments
-    assert Settings.of(env="JawBilateral", estimator="midline").world.arguments["estimator"] == "midline"
-    with pytest.raises(InputError):
-        Settings.of(estimator="bilateral")
-
-
 def test_entries_with_the_same_name_are_told_apart(tmp_path):
     from jawenv.playing.maneuvers.maneuver import FOLDER
 
@@ -199,10 +192,10 @@ def test_a_trained_run_brings_its_environment_and_takes_part_in_no_other(trained
     other = tmp_path / "other"
     shutil.copytree(trained_run, other)
     text = (other / CARD).read_text()
-    (other / CARD).write_text(text.replace("jawenv/Jaw-v3", "jawenv/JawBilateral-v3"))
-    assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawBilateral-v3"
+    (other / CARD).write_text(text.replace("jawenv/Jaw-v3", "jawenv/JawPortions-v3"))
+    assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawPortions-v3"
     output = tmp_path / "study"
-    for arguments in ([str(other), str(trained_run)], [str(trained_run), "--env", "bilateral"]):
+    for arguments in ([str(other), str(trained_run)], [str(trained_run), "--env", "portions"]):
         assert run(*arguments, *SHORT, "--output", str(output)) == 2
         told = capsys.readouterr().err
         assert told.startswith(f"error: {trained_run} was trained in jawenv/Jaw-v3, but this comparison is in jawenv/J")

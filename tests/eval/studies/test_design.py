@@ -30,7 +30,7 @@ def cells(**changes):
 
 def test_every_entry_is_played_under_every_setting():
     made = cells(
-        environments=["Jaw", {"env": "bilateral", "estimator": "midline"}],
+        environments=["Jaw", "portions"],
         controls=["force", "targets"],
         reality={"none": {}, "creep": {"creep_share": 0.3}},
         entries=["hold_still", {"agent": "clairvoyant", "controls": ["targets"], "patients": 1}],
@@ -39,7 +39,7 @@ def test_every_entry_is_played_under_every_setting():
     planned = [cell for cell in made if cell.levels["entry"] == "clairvoyant"]
     assert {cell.levels["control"] for cell in planned} == {"targets"} and {len(cell.seeds) for cell in planned} == {1}
     assert {cell.levels["control_hz"] for cell in made} == {5.0, 20.0}
-    assert {cell.levels["environment"] for cell in made} == {"Jaw", "JawBilateral, midline filter"}
+    assert {cell.levels["environment"] for cell in made} == {"Jaw", "JawPortions"}
     creeping = [cell.load().env_kwargs for cell in made if cell.levels["reality"] == "creep"]
     assert all(kwargs["reality"] == {"creep_share": 0.3} for kwargs in creeping)
 
@@ -114,7 +114,6 @@ def test_shipped_studies_are_of_all_that_they_are_about():
             "environment 'Jaw': controls force; allowed: the study's, targets",
         ),
         ({"environments": ["Knee"]}, "env is 'Knee'; allowed: jawenv/JawHinge-v3"),
-        ({"environments": [{"env": "Jaw", "estimator": "bilateral"}]}, "estimator is 'bilateral'; allowed in"),
         ({"controls": ["thought"]}, "controls.0 is 'thought'"),
         ({"control_hz": [33]}, "control_hz is 33; allowed: 20 divided by a whole number"),
         ({"control_hz": [float("nan")]}, "control_hz.0"),
