@@ -9,8 +9,6 @@ import gymnasium as gym
 import numpy as np
 from scipy.stats import multivariate_normal, norm
 
-from jawenv.design import check_design_env
-
 SD, STEPS = 0.1, 10
 
 
@@ -63,5 +61,6 @@ class LinearDesign(gym.Env):
 
 
 if __name__ == "__main__":
-    check_design_env(LinearDesign())
-    print("a design environment")
+    env = LinearDesign()
+    theta = env.prior.sample(2, seed=0)
+    print(env.log_likelihood(env.simulate(theta[0], np.ones((5, 1)), seed=0), theta))  # the first made the readings

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from jawenv.base.errors import InputError
     from jawenv.device import Device
     from jawenv.device.comfort_settings import Comfort
-    from jawenv.inference.information_gain import InformationGain, contrastive_bounds, information_gain
+    from jawenv.inference.information_gain import contrastive_bounds
     from jawenv.inference.likelihood import fisher_information, log_likelihood
     from jawenv.inference.patient_law import PatientLaw
     from jawenv.inference.simulations import Simulations, simulate
@@ -38,7 +38,6 @@ _HOMES = {
     "Cohort": "jawenv.anatomy",
     "Comfort": "jawenv.device.comfort_settings",
     "Device": "jawenv.device",
-    "InformationGain": "jawenv.inference.information_gain",
     "InputError": "jawenv.base.errors",
     "Knowledge": "jawenv.anatomy.knowledge",
     "MUSCLE_NAMES": "jawenv.anatomy",
@@ -58,7 +57,6 @@ _HOMES = {
     "fisher_information": "jawenv.inference.likelihood",
     "identifiability": "jawenv.analysis.identifiability",
     "information_bound": "jawenv.playing.rollout",
-    "information_gain": "jawenv.inference.information_gain",
     "log_likelihood": "jawenv.inference.likelihood",
     "maneuver_names": "jawenv.playing.maneuvers",
     "play": "jawenv.playing.rollout",
@@ -81,7 +79,6 @@ __all__ = [
     "Cohort",
     "Comfort",
     "Device",
-    "InformationGain",
     "InputError",
     "Knowledge",
     "Maneuver",
@@ -100,7 +97,6 @@ __all__ = [
     "fisher_information",
     "identifiability",
     "information_bound",
-    "information_gain",
     "log_likelihood",
     "maneuver_names",
     "play",

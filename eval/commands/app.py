@@ -122,7 +122,6 @@ COMMANDS: dict[str, Callable[..., None] | str] = {
     "card": "eval.commands.comparison",
     "replay": "eval.commands.comparison",
     "calibrate": "eval.commands.calibration",
-    "information": "eval.commands.information",
     "benchmark": "eval.commands.benchmark",
     "live": "eval.commands.live",
     "play": _play_command,

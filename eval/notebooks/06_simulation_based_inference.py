@@ -185,4 +185,3 @@ figure
 # ## Next
 #
 # - `docs/inference.md` has the simulator, the likelihood, and bounds on what a design is expected to tell.
-# - `python -m eval information` bounds what maneuvers and policies are expected to tell.

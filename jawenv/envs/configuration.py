@@ -243,7 +243,7 @@ class Configuration:
 
     @property
     def parts(self) -> Parts:
-        """What the observation consists of."""
+        """Parts of the observation."""
         return Parts(len(self.muscles.parameter_names), self.asked is not None, self.comfort_budget_s is not None)
 
     @property

@@ -291,7 +291,10 @@ def test_training_examples_are_short(script: str) -> None:
 
 
 def test_environments_of_others_methods() -> None:
-    assert run("examples/linear_design_env.py").stdout == "a design environment\n"
+    first, other = (float(word) for word in run("examples/linear_design_env.py").stdout.strip("[]\n").split())
+    assert first > other
+    bounds = run("examples/location_finding.py", "--rollouts", "8", "--contrasts", "2000").stdout.splitlines()
+    assert [float(line.split()[-3]) > 3.0 for line in bounds] == [True, True]
     done = run("examples/bayesflow_simulator.py")
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == ["theta     (8, 2)", "readings  (8, 21, 12)"]

@@ -32,7 +32,7 @@ TARGET_SCALE = 0.01
 
 
 class Parts(NamedTuple):
-    """What the flat observation of an environment consists of; policies, cards and the twin compare this by name.
+    """Parts of an environment's flat observation; policies, cards and the twin compare them by name.
 
     Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) follow
     the other parts; elsewhere, where the device keeps a ``budget`` of discomfort, ``spent`` (share of it, as the device
