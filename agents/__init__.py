@@ -1,4 +1,7 @@
-"""Everything that answers an observation of jawenv's environments with an action."""
+"""Everything that answers an observation of jawenv's environments with an action.
+
+Outside of the clone's folder another distribution's package of this name comes first; ``PYTHONPATH=CLONE`` mends that.
+"""
 
 from agents.registry import load_agent, names
 from jawenv.playing.agents import Agent

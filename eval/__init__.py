@@ -6,4 +6,6 @@ Run it from a clone of the project; this package is not part of the installed li
 `thesis` (the results of Young 2016) and `episodes` (films, data sets, replays). They share `kept` (the engine: entries
 and settings, and cells of them played in parts that survive an interrupt), `rows` (columns of a patient), `figures`
 (intervals over patients, words, tables), `report` (drawings and pages) and `commands` (the command line).
+
+Outside of the clone's folder another distribution's package of this name comes first; ``PYTHONPATH=CLONE`` mends that.
 """

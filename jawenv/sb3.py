@@ -46,7 +46,8 @@ class NativeVecEnv(VecEnv):
     made, the `EPISODE_FIGURES` of the last step, ``cost``, the sum of ``info["cost"]`` over the episode's
     steps (safety-gymnasium's episode cost), and ``discomfort_s``, what that is for 30 s. Where the environment tells
     time and sds, there is the largest sd that is asked for at the end (``worst_sd``) and `EARLY_S` after the start, or
-    at the end of a shorter episode (``worst_sd_10s``).
+    at the end of a shorter episode (``worst_sd_10s``). The same figures, and the other numbers of ``final_info``, stand
+    beside ``episode``, where ``VecMonitor(worlds, info_keywords=("cost",))`` finds them.
 
     Attributes:
         discomfort_s: (N,) cost of the latest step times its length, s; 0 where the environment tells no cost or time.
@@ -172,7 +173,10 @@ class NativeVecEnv(VecEnv):
                 asked = np.repeat(final_info["asked"][i], 2) if "asked" in final_info else True
                 episode["worst_sd"] = float(np.max(final_info["belief_sd"][i] * asked))
                 episode["worst_sd_10s"] = float(self._early_sd[i])
+            numbers = {key: float(values[i]) for key, values in final_info.items() if np.ndim(values) == 1}
             infos[i] = {
+                **numbers,
+                **{key: value for key, value in episode.items() if key not in ("r", "l", "t")},
                 "terminal_observation": np.asarray(info["final_obs"][i]),
                 "TimeLimit.truncated": not terminated[i],
                 "episode": episode,

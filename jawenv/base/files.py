@@ -161,8 +161,12 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 @contextlib.contextmanager
-def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
+def atomic_write(path: str | os.PathLike[str], *, synced: bool = True) -> Iterator[Path]:
     """Write a file that appears whole or not at all, also when interrupted.
+
+    Args:
+        path: of the file.
+        synced: whether its content is on the disk before it gets its name, and so whole after a loss of power, too.
 
     Yields:
         Where to write. At the end of the block this becomes the file, in place of an older one; after an error nothing
@@ -172,8 +176,9 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}.unfinished")
     try:
         yield unfinished
-        with unfinished.open("rb+") as file:
-            os.fsync(file.fileno())
+        if synced:
+            with unfinished.open("rb+") as file:
+                os.fsync(file.fileno())
         unfinished.replace(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None

@@ -258,7 +258,8 @@ class KernelCache:
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled kernel."""
         content = dumps(data._reduce())
-        with atomic_write(cache_folder() / self._name(sig, data.codegen.magic_tuple())) as unfinished:
+        path = cache_folder() / self._name(sig, data.codegen.magic_tuple())
+        with atomic_write(path, synced=False) as unfinished:  # a damaged file is compiled anew
             unfinished.write_bytes(with_checksum(content))
 
     def _shipped(self, sig: Any, processor: tuple[str, str, str]) -> bytes | None:

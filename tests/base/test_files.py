@@ -109,6 +109,15 @@ def test_long_values_are_cut() -> None:
     assert len(str(caught.value)) < 120
 
 
+def test_what_can_be_made_again_is_not_forced_onto_the_disk(tmp_path, monkeypatch):
+    synced = []
+    monkeypatch.setattr("os.fsync", synced.append)
+    for forced in (True, False):
+        with atomic_write(tmp_path / "kept", synced=forced) as unfinished:
+            unfinished.write_text("whole")
+    assert len(synced) == 1 and (tmp_path / "kept").read_text() == "whole"
+
+
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "part.json"
     write_json(path, Part(gain=1))

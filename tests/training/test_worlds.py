@@ -1,5 +1,6 @@
 """The adapter between Gymnasium's native vector environments and stable-baselines3."""
 
+from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
@@ -47,6 +48,19 @@ def test_episode_figures_belong_to_the_episode_that_ended() -> None:
         assert info["terminal_observation"][2] == pytest.approx(1.0) and outcomes[-1][0][i][2] == 0.0
         assert info["TimeLimit.truncated"] and episode["l"] == EPISODE_STEPS
     assert cost.max() > 0.0
+
+
+def test_a_monitor_writes_the_figures_of_an_episode(tmp_path: Path) -> None:
+    from stable_baselines3.common.vec_env import VecMonitor
+
+    keywords = ("cost", "discomfort_s", "worst_sd", "nees", "time")
+    worlds = VecMonitor(NativeVecEnv("jawenv/JawHinge-v3", 2, episode_s=0.6), str(tmp_path / "log"), keywords)
+    worlds.reset()
+    for _ in range(3):
+        infos = worlds.step(np.zeros((2, 4), np.float32))[3]
+    worlds.close()
+    assert all(key in info and info["episode"][key] == info[key] for info in infos for key in keywords)
+    assert infos[0]["time"] == pytest.approx(0.6)
 
 
 def test_violation_is_a_termination() -> None:
