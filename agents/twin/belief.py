@@ -23,7 +23,7 @@ from jawenv.filter.readings.teeth import TOOTH_NOISE
 
 N_PARAMETERS = 12
 QUICKLY = 10.0**-0.5
-"""Of the encoders' sd is left for a shaking at 30 1/s, whose velocities are read too."""
+"""Share of the encoders' sd that is left for a shaking at 30 1/s, whose velocities are read too."""
 FEWEST = 1e-6
 
 

@@ -18,7 +18,7 @@ from jawenv.playing.agents import Array
 
 _KNOT_S = 0.4
 _SCALE = np.array([0.25, 0.4, 0.1, 0.4])
-"""Of the channels' steps."""
+"""Sizes of the channels' steps."""
 _LEARNING_RATE = 0.03  # of Adam, in parts of ``_SCALE``
 _PRICE = 8.0  # nats that a second of the twin's discomfort is worth
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from math import comb
+from math import comb, prod
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ from jawenv.base.errors import InputError
 from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
+_Label = tuple[str, str, str]  # kind, muscle and side of a parameter
 MOST_SUBSETS = 200_000
 # Brun et al. (2001) call parameters of a collinearity index above 10 to 15 poorly identifiable together.
 COLLINEAR = 10.0
@@ -116,28 +117,38 @@ def in_words(direction: ArrayLike, names: Sequence[str]) -> str:
             f"direction is {np.array2string(weights, threshold=6)}; "
             f"allowed: {len(names)} finite numbers that are not all 0"
         )
-    size = np.sort(np.abs(weights))[::-1]
-    smallest = size[np.searchsorted(np.cumsum(size**2), NAMED_SHARE * np.sum(size**2))] * (1.0 - 1e-6)
-    named = np.flatnonzero(np.abs(weights) >= smallest)
-    first = np.sign(weights[named[0]])  # F_o before b and left before right, whichever sign came out of a solver
     labels = [_label(name) for name in names]
-    groups = [[labels[i] for i in named if (np.sign(weights[i]) == first) is same] for same in (np.True_, np.False_)]
-    groups = [group for group in groups if group]
-    values = [[tuple(dict.fromkeys(part)) for part in zip(*group, strict=True)] for group in groups]
-    products = all(
-        np.prod([len(part) for part in own]) == len(group) for own, group in zip(values, groups, strict=True)
-    )
-    if not products or sum(len(set(own)) > 1 for own in zip(*values, strict=True)) > 1:
+    groups = _named(weights, labels)
+    values = [_values(group) for group in groups]
+    products = all(prod(map(len, own)) == len(group) for own, group in zip(values, groups, strict=True))
+    by_part = list(zip(*values, strict=True))  # kinds, muscles and sides, of each sign
+    if not products or sum(len(set(own)) > 1 for own in by_part) > 1:
         return " against ".join(" and ".join(" ".join(filter(None, label)) for label in group) for group in groups)
-    whole = [tuple(dict.fromkeys(part)) for part in zip(*labels, strict=True)]
-    kind, *rest = (
-        " against ".join(dict.fromkeys(_joined(part, every, all_of) for part in own))
-        for own, every, all_of in zip(zip(*values, strict=True), whole, ("", "all muscles", "both sides"), strict=True)
-    )
+    kind, *rest = map(_against, by_part, _values(labels), ("", "all muscles", "both sides"))
     return ": ".join(filter(None, (kind, ", ".join(filter(None, rest)))))
 
 
-def _label(name: str) -> tuple[str, str, str]:
+def _named(weights: Array, labels: Sequence[_Label]) -> list[list[_Label]]:
+    """Labels of the largest weights: those of the first one's sign, whichever came out of a solver, and the others."""
+    size = np.sort(np.abs(weights))[::-1]
+    smallest = size[np.searchsorted(np.cumsum(size**2), NAMED_SHARE * np.sum(size**2))] * (1.0 - 1e-6)
+    named = np.flatnonzero(np.abs(weights) >= smallest)
+    like_first = np.sign(weights[named]) == np.sign(weights[named[0]])
+    signs = named[like_first], named[~like_first]
+    return [[labels[i] for i in sign] for sign in signs if len(sign)]
+
+
+def _values(labels: Sequence[_Label]) -> list[tuple[str, ...]]:
+    """The different kinds, muscles and sides of some labels."""
+    return [tuple(dict.fromkeys(part)) for part in zip(*labels, strict=True)]
+
+
+def _against(parts: Sequence[tuple[str, ...]], every: tuple[str, ...], all_of: str) -> str:
+    """Kinds, muscles or sides of one sign against those of the other; once where they are the same."""
+    return " against ".join(dict.fromkeys(_joined(part, every, all_of) for part in parts))
+
+
+def _label(name: str) -> _Label:
     """Kind, muscle and side of a parameter's name; empty where the model tells none."""
     kind, _, muscle = name.removeprefix("log_").partition("/")
     side = muscle.rpartition("_")[2] if muscle.endswith(("left", "right")) else ""

@@ -65,7 +65,7 @@ TRUNCATION_SD = 2.0
 """No parameter is drawn further than this many sd from its median."""
 
 LARGEST_SD = 1.5
-"""Of the natural log of F_o and b; from wider priors the environments' filter does not start reliably."""
+"""Widest prior sd of the natural log of F_o and b; from wider ones the environments' filter does not start reliably."""
 
 MOST_DRAWS = 200
 """Per patient of a sample that accepts only some."""
@@ -83,7 +83,7 @@ class Cohort:
     """A population of patients."""
 
     name: str
-    """As the environment's argument `cohort` takes it."""
+    """Name that the environment's argument `cohort` takes."""
     description: str
     """Who they are, for tables."""
     basis: str

@@ -21,7 +21,7 @@ from jawenv.base.numeric_fields import real_number
 __all__ = ["Anatomy", "anatomy_of"]
 
 FARTHEST_M = 0.5
-"""Of a point from the condyles, along each axis."""
+"""Largest distance of a point from the condyles, along each axis."""
 
 RANGES = MappingProxyType(
     {

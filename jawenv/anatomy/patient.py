@@ -55,7 +55,7 @@ class Patient(InputModel):
     head_tilt_deg: Annotated[Number, Field(ge=-90, le=90)] = 0.0
     """Pitch of the head, positive nose down, in [-90, 90]."""
     anatomy_seed: Annotated[int, Field(ge=0, le=LARGEST_SEED), BeforeValidator(_pythons)] | None = None
-    """Of the anatomy that is known only within sds (`jawenv.Knowledge`), so that it is the same in all episodes, 0
+    """Seed of the anatomy known only within sds (`jawenv.Knowledge`), so that it is the same in all episodes, 0
     to 2**32 - 1; drawn anew in each by default.
     """
 

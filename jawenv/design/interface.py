@@ -30,7 +30,7 @@ class DesignEnv(Protocol):
     parameter_names: tuple[str, ...]
     """Names of the p parameters, in the order of all arrays."""
     prior: _Law
-    """Of the truth that ``reset`` draws."""
+    """Law of the truth that ``reset`` draws."""
 
     def simulate(self, theta: ArrayLike, actions: ArrayLike, seed: int) -> Mapping[str, Any]:
         """Readings, arrays by name, of an experiment with parameters (p,) under K actions; the episode stays."""

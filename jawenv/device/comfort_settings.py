@@ -30,41 +30,41 @@ class Comfort(NumericFields):
     force_N: float = number(24.0, 1000.0, "N", zero=False)
     """Soft limit of the force of the device on the mouthpiece (G)."""
     speed_mm_s: float = number(40.0, 10000.0, "mm/s", zero=False)
-    """Of the mouthpiece's speed (G)."""
+    """Soft limit of the mouthpiece's speed (G)."""
     condyle_side_mm: float = number(3.0, 100.0, "mm", zero=False)
-    """Of the condyles' travel to a side, from rest (G)."""
+    """Soft limit of the condyles' travel to a side, from rest (G)."""
     side_mm: float = number(10.0, 100.0, "mm", zero=False)
-    """Of the mouthpiece's travel to a side, of a jaw that opens 48 mm; in proportion with less (D)."""
+    """Soft limit of the mouthpiece's travel to a side, of a jaw that opens 48 mm; in proportion with less (D)."""
     fore_aft_mm: float = number(8.8, 100.0, "mm", zero=False)
-    """Of its travel off the natural path, alike (D)."""
+    """Soft limit of the mouthpiece's travel off the natural path, alike (D)."""
     painless_force_N: float = number(20.0, 1000.0, "N", zero=False)
     """Vertical pull that ends the painless range, the soft limit of opening (G)."""
     painless_range_mm: float = number(35.0, 60.0, "mm", zero=False)
-    """That range at most, above rest (G)."""
+    """Largest painless range, above rest (G)."""
     largest_opening_mm: float = number(45.0, 60.0, "mm", zero=False)
-    """Opening at its end at most, in all (G)."""
+    """Largest opening at the end of the painless range, in all (G)."""
     condyle_back_mm: float = number(0.5, 100.0, "mm")
     """How far behind the fossa's roof the middle of the condyles may go (G)."""
     condyle_free_mm: float = number(2.0, 100.0, "mm")
-    """How far beyond their natural travel (G)."""
+    """How far the condyles may go beyond their natural travel (G)."""
     tension_margin: float = number(1.5, 1000.0, "1", zero=False)
     """Soft limit of a muscle's tension, over that at the end of the painless range (G)."""
     force_hard: float = number(1.5, 1000.0, "1", zero=False)
-    """Hard limit over soft limit, of the force; the same of the others (G)."""
+    """Hard limit over soft limit, of the force (G)."""
     opening_hard: float = number(1.3, 1000.0, "1", zero=False)
-    """Of the opening (G)."""
+    """Hard limit of the opening over its soft limit (G)."""
     side_hard: float = number(1.8, 1000.0, "1", zero=False)
-    """Of the mouthpiece's travel to a side (G)."""
+    """Hard limit of the mouthpiece's travel to a side over its soft limit (G)."""
     fore_aft_hard: float = number(1.8, 1000.0, "1", zero=False)
-    """Of its travel off the natural path (G)."""
+    """Hard limit of the mouthpiece's travel off the natural path over its soft limit (G)."""
     condyle_fore_aft_hard: float = number(1.4, 1000.0, "1", zero=False)
-    """Of the condyles' travel (G)."""
+    """Hard limit of the condyles' travel over its soft limit (G)."""
     condyle_side_hard: float = number(2.0, 1000.0, "1", zero=False)
-    """Of their travel to a side (G)."""
+    """Hard limit of the condyles' travel to a side over its soft limit (G)."""
     speed_hard: float = number(5.0, 1000.0, "1", zero=False)
-    """Of the speed (G)."""
+    """Hard limit of the speed over its soft limit (G)."""
     tension_hard: float = number(2.5, 1000.0, "1", zero=False)
-    """Of the tension (G)."""
+    """Hard limit of the tension over its soft limit (G)."""
 
     def __post_init__(self) -> None:
         """Check that hard limits lie beyond soft ones, and that a painless range is wide enough to be one.

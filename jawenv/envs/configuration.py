@@ -123,7 +123,7 @@ class Configuration:
     )
 
     def __post_init__(self) -> None:
-        """Check every field."""
+        """Check every field, in this order: a cohort has the anatomy's muscles, an episode whole steps of the rate."""
         kinds = {"control": Control, "sensors": Sensors, "info": Info, "force_sensor": ForceSensor}
         choices = {name: get_args(kind) for name, kind in kinds.items()} | {"reward": tuple(POTENTIALS)}
         for name, allowed in choices.items():

@@ -30,7 +30,7 @@ class PatientLaw:
     env_id: str
     """The environment."""
     share: float
-    """Of the cohort that the device can treat, in (0, 1], estimated."""
+    """Share of the cohort that the device can treat, in (0, 1], estimated."""
     entropy: float
     """Differential, of the natural-log parameters, nats, estimated."""
 

@@ -80,6 +80,6 @@ class Streams(NamedTuple):
 
     @classmethod
     def of(cls, key: NDArray[np.uint64]) -> Streams:
-        """Those of an episode; streams of different numbers share none."""
+        """Streams of an episode; streams of different numbers share none."""
         counters = [np.array([0, 0, 0, number], dtype=np.uint64) for number in range(4)]
         return cls(*(np.random.Generator(np.random.Philox(key=key, counter=counter)) for counter in counters))

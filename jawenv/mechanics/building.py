@@ -47,41 +47,59 @@ def build_jaw(
     if free[3] != free[4]:
         raise InputError(f"free is {tuple(free)}; allowed: psi and alpha free both or none")
     jaw = record_zeros(1, jaw_dtype(len(muscles.muscle)))[0]
-    rho = np.asarray(mandible.centre_of_mass_m, dtype=float)
-    inertia = np.asarray(mandible.inertia_kg_m2, dtype=float)
-    about_contact = inertia + mandible.mass_kg * (rho @ rho * np.eye(3) - np.outer(rho, rho))
-    jaw["mass"] = mandible.mass_kg
-    jaw["centre_of_mass"] = rho
-    jaw["inertia"] = inertia
+    parts = _body(mandible) | _path(fossa) | _contacts(mandible) | _lines(muscles, mandible)
+    for name, value in parts.items():
+        jaw[name] = value
     # Body axes 1, 2, 3 turn roll, pitch and yaw.
     turns = np.flatnonzero([free[4], free[2], free[3]])
+    rho = jaw["centre_of_mass"]
+    about_contact = jaw["inertia"] + mandible.mass_kg * (rho @ rho * np.eye(3) - np.outer(rho, rho))
     jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
     jaw["free_x"], jaw["free_y"] = free[0], free[1]
-    jaw["tone"] = mandible.closing_tone_N * muscles.whole_muscles_per_line
     jaw["gravity"] = gravity_in_head(mandible.gravity, head_tilt_deg)
-    jaw["fossa_drop"] = fossa.drop_m
-    jaw["fossa_frequency"] = fossa.spatial_frequency
-    jaw["damping_rotation"] = mandible.damping_rotation
-    jaw["damping_sliding"] = mandible.damping_sliding
-    jaw["tooth_stiffness"] = mandible.tooth_stiffness
-    jaw["condyle_stiffness"] = CONDYLE_STIFFNESS
-    jaw["condyle_half_width"] = mandible.condyle_half_width_m
-    jaw["disc_stiffness"] = mandible.disc_stiffness
-    jaw["disc_damping"] = mandible.disc_damping
-    jaw["stop_width"] = STOP_WIDTH
-    jaw["crest"] = fossa.crest_m
-    jaw["teeth"] = mandible.teeth_m
-    jaw["mouthpiece"] = mandible.mouthpiece_m
-    jaw["origin"] = muscles.origin_m
-    jaw["insertion"] = muscles.insertion_m
-    jaw["l_o"] = muscles.l_o_m
-    directions = (muscles.origin_m - muscles.insertion_m) / muscles.l_o_m[:, None]
-    jaw["mobility"] = mobility(mandible, muscles.insertion_m, directions)
-    jaw["tooth_mobility"] = mobility(mandible, mandible.teeth_m, np.array([0.0, 0.0, 1.0]))
-    jaw["condyle_mobility"] = mobility(mandible, np.zeros(3), np.array([1.0, 0.0, 0.0]))
-    jaw["mouthpiece_mobility"] = _largest_mobility(mandible, np.asarray(mandible.mouthpiece_m))
-    jaw["muscle"] = muscles.muscle
     return jaw
+
+
+def _body(mandible: Mandible) -> dict[str, Any]:
+    return {
+        "mass": mandible.mass_kg,
+        "centre_of_mass": mandible.centre_of_mass_m,
+        "inertia": mandible.inertia_kg_m2,
+        "damping_rotation": mandible.damping_rotation,
+        "damping_sliding": mandible.damping_sliding,
+        "mouthpiece": mandible.mouthpiece_m,
+        "mouthpiece_mobility": _largest_mobility(mandible, np.asarray(mandible.mouthpiece_m)),
+    }
+
+
+def _path(fossa: Fossa) -> dict[str, Any]:
+    return {"fossa_drop": fossa.drop_m, "fossa_frequency": fossa.spatial_frequency, "crest": fossa.crest_m}
+
+
+def _contacts(mandible: Mandible) -> dict[str, Any]:
+    return {
+        "teeth": mandible.teeth_m,
+        "tooth_stiffness": mandible.tooth_stiffness,
+        "tooth_mobility": mobility(mandible, mandible.teeth_m, np.array([0.0, 0.0, 1.0])),
+        "stop_width": STOP_WIDTH,
+        "condyle_stiffness": CONDYLE_STIFFNESS,
+        "condyle_half_width": mandible.condyle_half_width_m,
+        "condyle_mobility": mobility(mandible, np.zeros(3), np.array([1.0, 0.0, 0.0])),
+        "disc_stiffness": mandible.disc_stiffness,
+        "disc_damping": mandible.disc_damping,
+    }
+
+
+def _lines(muscles: MuscleSet, mandible: Mandible) -> dict[str, Any]:
+    directions = (muscles.origin_m - muscles.insertion_m) / muscles.l_o_m[:, None]
+    return {
+        "muscle": muscles.muscle,
+        "origin": muscles.origin_m,
+        "insertion": muscles.insertion_m,
+        "l_o": muscles.l_o_m,
+        "tone": mandible.closing_tone_N * muscles.whole_muscles_per_line,
+        "mobility": mobility(mandible, muscles.insertion_m, directions),
+    }
 
 
 def mobility(mandible: Mandible, points: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ Action = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 State = tuple[Any, ...] | None
 FIRST_OWN_SEED = 10**9
-"""Of agents; no world has it (`jawenv.base.seeds`)."""
+"""First seed of agents; no world has it (`jawenv.base.seeds`)."""
 
 
 @runtime_checkable

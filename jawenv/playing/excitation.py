@@ -14,7 +14,7 @@ from jawenv.playing.agents import Action, Array, BatchAgent, Mask, Observation, 
 ACTION_SIZE = 4
 
 Draw = Callable[[np.random.Generator, Array, int, float], Array]
-"""From a stream, the last action (4), the number of the step and its length (s) to the next action."""
+"""Next action from a stream, the last action (4), the number of the step and its length (s)."""
 
 
 def zero(stream: np.random.Generator, last: Array, step: int, dt: float) -> Array:

@@ -14,7 +14,7 @@ from jawenv.envs.configuration import Configuration, configure
 from jawenv.envs.simulation import Simulation
 from jawenv.filter.belief.state import FARTHEST
 from jawenv.filter.nuisances.changed_jaw import copy_jaw, move_jaw
-from jawenv.filter.nuisances.changes import add_readings, set_wrenches
+from jawenv.filter.nuisances.changes import Midway, add_readings, set_wrenches
 from jawenv.filter.nuisances.unknowns import cell_turn_of, changed_jaw, offset_of, scaled, turn_of
 from jawenv.filter.updates.measurement_update import EXPECTED
 from jawenv.kernels.compiled import njit
@@ -101,7 +101,7 @@ def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, r
         motion, wrench = motion_at(rng), rng.normal(size=6) * [3.0, 3.0, 3.0, 0.05, 0.05, 0.05]
         columns = np.zeros((6, len(simulation.nuisance_sds)))
         rate = twin.acceleration(jaw, theta, motion[:5], motion[5:], wrench)
-        at = tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench), False
+        at = Midway(tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench), False)
         wrenches_of(jaw, muscles, at, settings, columns, scratch)
         by_wrench = twin.derivative(lambda w, m=motion: twin.acceleration(jaw, theta, m[:5], m[5:], w), wrench)
         for j, values in enumerate(simulation.nuisance_sds):
@@ -120,7 +120,7 @@ def test_what_a_jaw_at_rest_shows_and_what_accelerations_show_make_the_whole(rng
 
     def columns(motion, rate, apart):
         found = np.zeros((6, len(made.nuisance_sds)))
-        at = tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench), apart
+        at = Midway(tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench), apart)
         wrenches_of(made._jaw, muscles, at, settings, found, scratch)
         return found
 

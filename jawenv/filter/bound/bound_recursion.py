@@ -27,7 +27,7 @@ from jawenv.filter.bound.joint_recursion import (
 from jawenv.filter.model.encoders import measure
 from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.model.regressors import middle_of
-from jawenv.filter.nuisances.changes import add_readings, middle_rates, set_wrenches
+from jawenv.filter.nuisances.changes import Midway, add_readings, middle_rates, set_wrenches
 from jawenv.filter.nuisances.if_any import NuisanceScratch, nuisance_scratch_dtype
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.kernels.compiled import njit, where
@@ -149,7 +149,7 @@ def _add_columns(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: Bou
         mean_reading(wrench, 4),
         mean_reading(wrench, 5),
     )
-    at = (pose, u, rate, mean, False)
+    at = Midway(pose, u, rate, mean, False)
     set_wrenches(jaw, muscles, at, settings.nuisances, 0, scratch.wrench, scratch.nuisances)
     total, by_wrench = scratch.recursion.total, scratch.joint.total
     first, column = total.shape[0], by_wrench.shape[1] - 2 * N_WRENCH

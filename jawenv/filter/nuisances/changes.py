@@ -12,6 +12,8 @@ they are expected.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances
 from jawenv.filter.model.encoders import N_MEASUREMENTS, N_POSE, read_motion
 from jawenv.filter.model.regressors import at_mouthpiece, left_over, middle_of
@@ -29,7 +31,7 @@ from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import contact_point, fossa, rotation
+from jawenv.mechanics.kinematics import Five, contact_point, fossa, rotation
 
 STEP = 0.01  # sds of the differences that stand for derivatives
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0)
@@ -62,22 +64,27 @@ def _body_change(changed: Jaw, muscles, at, base):
     return (x - base[0]) / STEP, (y - base[1]) / STEP, scale(1.0 / STEP, subtract(moment, base[2]))
 
 
-@njit
-def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench, scratch: NuisanceScratch):
-    """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
+class Midway(NamedTuple):
+    """A jaw half way through a tick, as the past alone has it (``instrument``)."""
 
-    ``at`` is the pose half way through the tick, the rates of the jaw and their rate of change, and the load cell's
-    smoothed reading (six numbers), all as the past alone has them (``instrument``), and whether what a jaw at rest
-    shows is ``apart``.
-    """
-    pose, u, rate, reading, apart = at
+    pose: Five
+    u: Five  # rates
+    rate: Five  # their rate of change
+    reading: tuple[float, float, float, float, float, float]  # of the load cell, smoothed
+    apart: bool  # whether what a jaw at rest shows is apart
+
+
+@njit
+def set_wrenches(jaw: Jaw, muscles, at: Midway, nuisances: Nuisances, first, line_wrench, scratch: NuisanceScratch):
+    """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance."""
+    pose, reading = at.pose, at.reading
     body_to_head = rotation(pose)
     contact = contact_point(jaw, pose)
     _, slope, _, _ = fossa(jaw, pose[0])
     copy_rest(jaw, scratch.jaw)
-    moving, still = (pose, u, reading, rate), (pose, STILL, reading, STILL)
+    moving, still = (pose, at.u, reading, at.rate), (pose, STILL, reading, STILL)
     base_moving, base_still = left_over(jaw, muscles, *moving), left_over(jaw, muscles, *still)
-    motors = motors_of(nuisances, jaw, (pose, u, body_to_head, reading), scratch)
+    motors = motors_of(nuisances, jaw, (pose, at.u, body_to_head, reading), scratch)
     for j in range(nuisances.mass.shape[0]):
         if nuisances.of_motors[j]:
             set_motor_column(nuisances, j, (body_to_head, motors), first + j, line_wrench)
@@ -88,11 +95,11 @@ def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench
             x, y, moment = force[0] + slope * force[2], force[1], apply_transposed(body_to_head, moment)
         elif nuisances.moves[j]:
             change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
-            if apart and nuisances.at_rest[j]:
+            if at.apart and nuisances.at_rest[j]:
                 x, y, moment = _body_change(scratch.jaw, muscles, still, base_still)
             else:
                 x, y, moment = _body_change(scratch.jaw, muscles, moving, base_moving)
-            if apart and not nuisances.at_rest[j]:
+            if at.apart and not nuisances.at_rest[j]:
                 x_rest, y_rest, moment_rest = _body_change(scratch.jaw, muscles, still, base_still)
                 x, y, moment = x - x_rest, y - y_rest, subtract(moment, moment_rest)
         pull, moment = at_mouthpiece(jaw, pose, x, y, moment)
@@ -184,7 +191,7 @@ def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: Fil
     reading = (last[0], last[1], last[2], last[3], last[4], last[5])
     before, after = scratch.start_motion, scratch.instrument.motion
     u, rate = middle_rates(before, after, settings.dt)
-    at = (pose, u, rate, reading, is_apart(settings))
+    at = Midway(pose, u, rate, reading, is_apart(settings))
     set_wrenches(jaw, muscles, at, settings.nuisances, first, wrenches, scratch.nuisances)
 
 
