@@ -11,21 +11,22 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient
 from jawenv.base.errors import InputError
-from jawenv.device.device import N_MOTORS, TICK
+from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import (
     device_with_sensor,
     motor_errors,
     sds_of_sensor,
     slack_force,
 )
+from jawenv.envs.build import build_settings, kept_ticks, kept_truths
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.world.kept_ticks import true_tick_dtype
-from jawenv.envs.world.record import settings_dtype, world_dtype
+from jawenv.envs.world.record import world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
-from jawenv.filter.settings import Geometry, fill_settings, noise_of, start_sd, used_readings, wrench_variances
-from jawenv.filter.tick import LAST_WINDOW, ROW
+from jawenv.filter.settings import Geometry
+from jawenv.filter.tick import ROW
 from jawenv.kernels.noise import Streams, philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
@@ -69,7 +70,8 @@ class Simulation:
         """One sd of each nuisance that the filter integrates out, in its order."""
         disturbance = N_WRENCH if lasting else 0
         sizes = len(muscles), len(muscles.muscle), N_STATES, len(self.nuisance_sds), disturbance
-        self.settings = self._build_settings(sizes)
+        parts = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self.nuisance_sds, self._jaw
+        self.settings = build_settings(configuration, Geometry(*parts, self.force_errors), sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
         self._gravity = mandible.gravity
@@ -77,9 +79,9 @@ class Simulation:
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self.scratches = record_zeros(threads, scratch_dtype(*sizes))
         self._beginnings = record_zeros(threads, beginning_dtype(sizes[1]))
-        self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), ROW)
+        self.ticks = record_zeros((num_worlds, kept_ticks(configuration) + 1), ROW)
         """(N, ticks) what was read, as far as it is kept."""
-        self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
+        self.paths = record_zeros((num_worlds, kept_truths(configuration)), true_tick_dtype(sizes[2]))
         """(N, ticks) what was true then, as far as it is kept."""
         self.observation = np.zeros((num_worlds, configuration.parts.size), dtype=np.float32)
         """(N, size) as of the last reset or step."""
@@ -134,53 +136,6 @@ class Simulation:
         shared = Shared(self.device, self.settings, record_zeros(len(self.worlds), scratch_dtype(*sizes)))
         rows = StepRows(self.ticks, self.paths, self.observation)
         return MovedPlants(plant, names, shared, self.models, self.worlds, rows)
-
-    def _kept_ticks(self) -> int:
-        """Number of ticks kept of an episode: all if it is recorded or read again, or as many as the filter replays."""
-        configuration = self.configuration
-        ticks = configuration.steps * configuration.ticks_per_step
-        whole = configuration.record or configuration.own_estimator is not None
-        return ticks if whole else min(ticks, LAST_WINDOW)
-
-    def _kept_truths(self) -> int:
-        """Number of rows kept of the truth: of an episode to be recorded, of the bound's last period, or one."""
-        if self.configuration.record:
-            return self._kept_ticks() + 1
-        return self.configuration.ticks_per_step + 1 if self.configuration.needs_bound else 1
-
-    def _build_settings(self, sizes: tuple[int, int, int, int, int]) -> NDArray[np.void]:
-        configuration = self.configuration
-        records = record_zeros(1, settings_dtype(*sizes))
-        settings = records[0]
-        self._set_filter(records["filter"][0])
-        settings["noise_variance"] = wrench_variances(configuration.build_device(), configuration.force_sensor)
-        settings["reality"] = self.reality.records()[0]
-        settings["comfort"] = self.configuration.build_comfort().records()[0]
-        self._set_disturbance(settings)
-        control = settings["control"]
-        control["servo"] = configuration.mode.has_servos
-        control["targets"] = configuration.mode.takes_targets
-        control["budget"] = configuration.comfort_budget_s or 0.0
-        control["steps"], control["ticks_per_step"] = configuration.steps, configuration.ticks_per_step
-        settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
-        return records
-
-    def _set_filter(self, settings: Any) -> None:
-        """Fill a record of dtype ``filter_settings_dtype``."""
-        configuration = self.configuration
-        settings["motion_only"] = configuration.motion_only
-        settings["used"] = used_readings(configuration.sensors)
-        parts = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self.nuisance_sds, self._jaw
-        noise = noise_of(configuration.build_device(), configuration.force_sensor, TICK)
-        sd = start_sd(self._jaw)
-        fill_settings(settings, Geometry(*parts, self.force_errors), noise, sd)
-
-    def _set_disturbance(self, settings: Any) -> None:
-        """Set the true unknown wrench: what is new in every tick, and how fast what lasts decays."""
-        time = float(self.device[0]["unmodelled_time"])
-        true_time = float(settings["reality"]["unmodelled_time"]) or time
-        settings["unmodelled_decay"] = np.exp(-TICK / true_time) if true_time > 0.0 else 0.0
-        settings["noise_variance"][:N_WRENCH] = settings["filter"]["wrench_variance"]
 
     @property
     def _costs(self) -> NDArray[np.float64]:
