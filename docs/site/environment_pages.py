@@ -25,7 +25,7 @@ SECTION = re.compile(r"^## (.+)$", re.M)
 MODEL_OF = {**ENVIRONMENTS, KNOWN_WITHIN_SDS: "jaw"}
 SCAN = "the reference as a clinic would have it: anatomy and device known as a scan and a bench test show them"
 FIRST = (
-    "Choose an environment here: six models of the jaw with one interface, simplest first, and one known from a scan."
+    "Choose an environment here: five models of the jaw with one interface, simplest first, and one known from a scan."
 )
 CAPTION = (
     "The first four seconds of *opening with swings* on one patient. The bluer a muscle, the better it is known. "
