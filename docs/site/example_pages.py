@@ -57,13 +57,6 @@ EXAMPLES = (
         "patient slow_opening --cohort one_sided --seed 3 --episode-s 3",
         "patient-3.html",
     ),
-    Example(
-        "thesis",
-        "The thesis, drawn again",
-        "Results of Young (2016), each beside what the corrected equations give.",
-        "thesis --draws 20 --only kinematics --only linear --only nonlinear_plane --only maneuver",
-        "thesis --draws 2 --quick --only kinematics",
-    ),
 )
 
 

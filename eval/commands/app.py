@@ -17,7 +17,6 @@ from jawenv.base.seeds import REPORTS
 from jawenv.commands.running import command_line, run
 
 INTERRUPTED = 130
-QUICK_DRAWS = 4
 MOST_FILMED = 2
 
 
@@ -90,32 +89,6 @@ def _study_command(
         command.study(study, patients, output, how, typed(), console, trust)
 
 
-def _thesis_command(
-    draws: Annotated[int, typer.Option(help="Of each result; the thesis has 1,000.", metavar="N")] = 1000,
-    only: Annotated[
-        list[str] | None, typer.Option(help="One result by its name, as ekf_sides; may be repeated.", metavar="ITEM")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Of all draws.", metavar="N")] = 0,
-    output: options.Output = Path("runs/thesis"),
-    fresh: options.Fresh = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Short episodes and few cases, to try it out; at most 4 draws.")
-    ] = False,
-) -> None:
-    """Put the results of Young (2016) beside what the corrected equations give, on all cores.
-
-    Writes report.html, and a Parquet and a JSON file per result. 100 draws take up to ten minutes on two cores, 1,000
-    ten times as long; the first run compiles for some minutes before. Fewer than 20 get no verdict. Ctrl-C keeps the
-    draws that are finished: the same command goes on from there.
-    """
-    from eval.kept.parts import Run
-    from eval.thesis.run import Draws
-    from eval.thesis.study import study
-
-    settings, console = Draws(min(draws, QUICK_DRAWS) if quick else draws, seed, quick), terminal()
-    study(only, settings, output, Run(fresh, console=console), typed(), console)
-
-
 COMMANDS: dict[str, Callable[..., None] | str] = {
     "compare": "eval.commands.comparison",
     "report": "eval.commands.comparison",
@@ -126,7 +99,6 @@ COMMANDS: dict[str, Callable[..., None] | str] = {
     "live": "eval.commands.live",
     "play": _play_command,
     "study": _study_command,
-    "thesis": _thesis_command,
     "patient": "eval.commands.patient",
     "diagnose": "eval.commands.patient",
 }
@@ -135,7 +107,7 @@ COMMANDS: dict[str, Callable[..., None] | str] = {
 
 def commands(names: Iterable[str] = COMMANDS) -> typer.Typer:
     """The command line of these commands; modules of others are not loaded."""
-    app = command_line("Compare maneuvers and trained agents on the same patients; draw the thesis's results again.")
+    app = command_line("Compare maneuvers and trained agents on the same patients.")
     for name in names:
         command = COMMANDS[name]
         if isinstance(command, str):

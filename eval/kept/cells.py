@@ -13,11 +13,11 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pandas as pd
 
-from eval.kept.digest import fingerprint
+from eval.kept.digest import digest, fingerprint
 from eval.kept.entries import Entry
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import read_table, write_table
@@ -38,11 +38,11 @@ class Rows(ABC):
     made_by: ClassVar[tuple[ModuleType, ...]] = ()  # other modules that decide the rows
 
     @abstractmethod
-    def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
+    def play(self, entry: Any, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """Play ``number`` patients from a seed on, and make their rows, each with its ``seed``.
 
         Args:
-            entry: with a freshly loaded agent.
+            entry: an `Entry` with a freshly loaded agent; None of a cell without one.
             number: of patients.
             seed: of the first one.
             progress: see `jawenv.play`.
@@ -51,10 +51,10 @@ class Rows(ABC):
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry in one world."""
+    """One entry in one world, or something else that is drawn many times."""
 
     levels: Mapping[str, str | float]  # columns that distinguish its rows from other cells', numbers among them in Hz
-    load: Callable[[], Entry]  # makes the entry; a function that processes can be sent
+    load: Callable[[], Entry] | None  # makes the entry; a function that processes can be sent
     seeds: range  # of the patients
     rows: Rows  # columns of a patient's row
     size: int  # patients that are played together
@@ -66,10 +66,15 @@ class Cell:
 
     def parts(self, folder: Path) -> list[Part]:
         """The parts in which it is played, each kept as a table in the folder."""
-        entry = self.load()
-        decided_by = {"rows": asdict(self.rows), "cohort": entry.world.build_cohort().to_dict()}
-        made = fingerprint(entry, decided_by, sys.modules[type(self.rows).__module__], *self.rows.made_by)
-        return parts_of(self.name, self.seeds, self.size, folder, {entry.label: made})
+        decided_by: dict[str, object] = {"rows": asdict(self.rows)}
+        made_by = (sys.modules[type(self.rows).__module__], *self.rows.made_by)
+        if self.load is None:
+            digests = {self.name: digest(decided_by, made_by=made_by)}
+        else:
+            entry = self.load()
+            decided_by["cohort"] = entry.world.build_cohort().to_dict()
+            digests = {entry.label: fingerprint(entry, decided_by, *made_by)}
+        return parts_of(self.name, self.seeds, self.size, folder, digests)
 
 
 def play_cells(cells: Sequence[Cell], output: Path, run: Run | None = None, unit: str = "episodes") -> pd.DataFrame:
@@ -84,26 +89,30 @@ def play_cells(cells: Sequence[Cell], output: Path, run: Run | None = None, unit
     Returns:
         The rows of all cells, in their order, each with the levels of its cell as its first columns.
     """
+    tables = play_each(cells, output, run, unit)
+    return pd.concat([_placed(table, cell) for cell, table in zip(cells, tables, strict=True)], ignore_index=True)
+
+
+def play_each(
+    cells: Sequence[Cell], output: Path, run: Run | None = None, unit: str = "episodes"
+) -> list[pd.DataFrame]:
+    """The rows of each cell, without its levels; see `play_cells`."""
     folder = folder_for(output, FOLDER)
-    return play_parts([(cell, part) for cell in cells for part in cell.parts(folder)], run, unit)
-
-
-def play_parts(parts: Sequence[tuple[Cell, Part]], run: Run | None = None, unit: str = "episodes") -> pd.DataFrame:
-    """Play some parts of cells, but for kept ones.
-
-    Returns:
-        As `play_cells`.
-    """
-    cells = {part.key: cell for cell, part in parts}
-    needed = {path: cell.rows.columns for cell, part in parts for _, path in part.files}
+    parts = [cell.parts(folder) for cell in cells]
+    by_name = {cell.name: cell for cell in cells}
+    needed = {path: cell.rows.columns for cell, own in zip(cells, parts, strict=True) for path in _paths(own)}
     tables = finish(
-        [part for _, part in parts],
-        partial(_play_part, cells=cells),
+        [part for own in parts for part in own],
+        partial(_play_part, cells=by_name),
         lambda path: read_table(path, needed[path])[0],
         unit,
         run,
     )
-    return pd.concat([_placed(tables[path], cell) for cell, part in parts for _, path in part.files], ignore_index=True)
+    return [pd.concat([tables[path] for path in _paths(own)], ignore_index=True) for own in parts]
+
+
+def _paths(parts: Sequence[Part]) -> list[Path]:
+    return [path for part in parts for _, path in part.files]
 
 
 def _play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> None:
@@ -115,7 +124,7 @@ def _play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> Non
         cells: by their names.
     """
     cell, before = cells[part.key], progress.done
-    entry = replace(cell.load(), agent_seed=part.first - cell.seeds.start)
+    entry = None if cell.load is None else replace(cell.load(), agent_seed=part.first - cell.seeds.start)
     name = part.key.replace("_", " ")
     rows = cell.rows.play(
         entry,
@@ -125,8 +134,6 @@ def _play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> Non
     )
     for _, path in part.files:
         write_table(rows, path, {"cell": part.key})
-    if (spent := getattr(entry.agent, "ms_per_decision", None)) is not None:
-        progress.say(f"{name}: {spent:.0f} ms per decision")
 
 
 def _placed(rows: pd.DataFrame, cell: Cell) -> pd.DataFrame:

@@ -21,7 +21,7 @@
 # results are figures of simulations whose jaw, noise and motion it does not state. Here the same is done with corrected
 # equations, and what the thesis says stands beside what comes out.
 #
-# `python -m eval thesis` does all of it with 1,000 draws, on all cores, and writes a report. What came out of that
+# `python -m eval study thesis` does all of it with 1,000 draws, on all cores, and writes a page. What came out of that
 # is in `docs/thesis.md`.
 
 # %%
@@ -37,22 +37,20 @@ import pandas as pd
 # %%
 from eval.kept.parts import Run
 from eval.thesis.catalogue import ITEMS
-from eval.thesis.run import Draws, draw_all
+from eval.thesis.study import draw_all
 
 DRAWS = int(os.environ.get("JAWENV_NOTEBOOK_DRAWS", "40"))
-QUICK = bool(int(os.environ.get("JAWENV_NOTEBOOK_QUICK", "0")))
-WORKERS = 1 if QUICK else None
+WORKERS = 1 if int(os.environ.get("JAWENV_NOTEBOOK_QUICK", "0")) else None
 OUTPUT = Path(tempfile.gettempdir()) / "jawenv_thesis"
-settings = Draws(DRAWS, quick=QUICK)
 
 
 tables = {}
 
 
 def look_at(key):
-    """Draw a result, print the thesis's words and ours, and return the figure."""
+    """Draw a result, and print the thesis's words and ours."""
     item = ITEMS[key]
-    tables[key] = draw_all([item], settings, OUTPUT, Run(workers=WORKERS))[key]
+    tables[key] = draw_all([item], DRAWS, 0, OUTPUT, Run(workers=WORKERS))[key]
     judgement = item.judge(tables[key])
     for words in (
         f"{item.where}: {item.says}",
@@ -60,7 +58,6 @@ def look_at(key):
         f"{judgement.verdict}: {judgement.why}",
     ):
         print(textwrap.fill(words, 100), end="\n\n")
-    return item.figure(tables[key])
 
 
 pd.DataFrame({key: [item.title, item.where] for key, item in ITEMS.items()}, index=["result", "thesis"]).transpose()
@@ -128,5 +125,5 @@ look_at("two_stage")
 #
 # - `look_at("ekf_sides")`, `"ekf_full"`, `"ekf_noise"` and `"rates"` are about the extended Kalman filter; they take
 #   longer.
-# - `python -m eval thesis --only ekf_sides --draws 100` draws one result and writes a report of it.
+# - A study's file with `results: [ekf_sides]` draws one result: `python -m eval study FILE`.
 # - `04_your_own_recording.ipynb` evaluates a recording from a file by the same estimators.

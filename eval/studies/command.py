@@ -41,10 +41,15 @@ def study(
     name, plan = design.read(source)
     if patients is not None:
         plan = plan.model_copy(update={"patients": min(patients, plan.patients)})
-    output = output or OUTPUT / name
+    output, metadata = output or OUTPUT / name, made_with(command, study=plan.model_dump(mode="json"))
+    if plan.results:
+        from eval.thesis.catalogue import chosen
+        from eval.thesis.study import study as thesis
+
+        thesis(chosen(plan.results), plan.patients, plan.seed, output, run, metadata, console)
+        return
     rows = play_cells(cells_of(plan, trust), output, run)
     rows.insert(len(FACTORS), "patient", rows["seed"] - plan.seed)
-    metadata = made_with(command, study=plan.model_dump(mode="json"))
     with alone(output):
         write_table(rows, output / PATIENTS, metadata)
         console.print("estimating figures, pairs and profiles with their intervals")

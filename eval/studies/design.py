@@ -95,7 +95,8 @@ class Design(InputModel):
 
     title: str  # the question
     description: str = ""  # a paragraph for readers
-    entries: tuple[Annotated[Choice, _named("agent")], ...] = Field(min_length=1)  # maneuvers and agents
+    entries: tuple[Annotated[Choice, _named("agent")], ...] = ()  # maneuvers and agents
+    results: tuple[str, ...] = ()  # of Young (2016), see `eval.thesis.catalogue.ITEMS`, in place of entries
     environments: tuple[Annotated[EnvironmentChoice, _named("env")], ...] = Field(
         default=(EnvironmentChoice(env="Jaw"),), min_length=1
     )  # models of the jaw
@@ -107,7 +108,7 @@ class Design(InputModel):
     """By a name of one's own, effects that the filter does not know; none by default."""
     control_hz: tuple[Number, ...] = ()  # control steps per second; the default rate of each control by default
     patients: int = Field(ge=1, le=MOST_PATIENTS)
-    """How many; patient i is drawn, and its noise made, by the seed `seed + i`."""
+    """How many; patient i is drawn, and its noise made, by the seed `seed + i`. Of results, how many draws."""
     seed: int = Field(ge=0, le=LARGEST_SEED)  # of the first patient
     episode_s: Number = Field(default=30.0, gt=0.0)  # length of every episode, s
     metrics: tuple[str, ...] = Field(default=DEFAULT_METRICS, min_length=1)  # names of `eval.figures.catalogue.FIGURES`
@@ -129,6 +130,8 @@ class Design(InputModel):
 
     @model_validator(mode="after")
     def _parts_of_it(self) -> Design:
+        if bool(self.entries) == bool(self.results):
+            raise ValueError("entries: has none, or results beside them; allowed: one or more, or results alone")
         asked: list[tuple[str, str, tuple[str, ...] | None, tuple[str, ...]]] = []
         asked += [(f"entry {entry.agent!r}", "controls", entry.controls, self.controls) for entry in self.entries]
         asked += [(f"entry {entry.agent!r}", "cohorts", entry.cohorts, self.cohorts) for entry in self.entries]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from eval.thesis import kalman, kinematics, least_squares, maneuver, rates, two_stage
 from eval.thesis.item import Item
 from jawenv.base.errors import InputError
@@ -24,9 +26,9 @@ ITEMS: dict[str, Item] = {
 }
 
 
-def chosen(keys: list[str] | None) -> list[Item]:
-    """Items of these keys, or all."""
-    for key in keys or []:
+def chosen(keys: Iterable[str]) -> list[Item]:
+    """Items of these keys."""
+    for key in keys:
         if key not in ITEMS:
-            raise InputError(f"only is {key!r}; allowed: {', '.join(ITEMS)}")
-    return [item for key, item in ITEMS.items() if not keys or key in keys]
+            raise InputError(f"results is {key!r}; allowed: {', '.join(ITEMS)}")
+    return [item for key, item in ITEMS.items() if key in keys]

@@ -8,7 +8,6 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 Verdict = Literal["reproduced", "partly", "not reproduced"]
 NO_NUMBER = "The thesis gives no number."
@@ -28,16 +27,14 @@ class Judgement:
 class Item:
     """One result."""
 
-    key: str  # short name, for ``--only``, files and anchors
+    key: str  # short name, in files
     title: str  # a few words
     where: str  # figure or section of Young (2016)
     says: str  # statement of the thesis; with its number if it gives one
     how: str  # our setting, where the thesis names none
-    draw: Callable[[Sequence[np.random.Generator], bool], Iterator[pd.DataFrame]]
-    """Rows of each draw, from its own random numbers; the second argument asks for the quick form."""
+    draw: Callable[[Sequence[np.random.Generator]], Iterator[pd.DataFrame]]
+    """Rows of each draw, from its own random numbers."""
     judge: Callable[[pd.DataFrame], Judgement]  # the finding, from the rows of all draws
-    figure: Callable[[pd.DataFrame], Figure]  # of the rows of all draws
-    caption: str  # below the figure
     same_draws_as: str = ""  # key of the item with the same draws; empty for draws of its own
 
     @property
@@ -47,12 +44,7 @@ class Item:
 
 
 def one_by_one(
-    draw: Callable[[np.random.Generator, bool], pd.DataFrame],
-) -> Callable[[Sequence[np.random.Generator], bool], Iterator[pd.DataFrame]]:
+    draw: Callable[[np.random.Generator], pd.DataFrame],
+) -> Callable[[Sequence[np.random.Generator]], Iterator[pd.DataFrame]]:
     """An item's ``draw`` from a function of a single draw."""
-
-    def draw_each(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
-        for rng in rngs:
-            yield draw(rng, quick)
-
-    return draw_each
+    return lambda rngs: map(draw, rngs)

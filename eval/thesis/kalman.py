@@ -7,13 +7,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from agents import load_agent
 from eval.figures import statistics, words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict
-from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking
 from jawenv.playing.rollout import play
 from jawenv.recordings.record import Record
 from jawenv.references.extended_kalman import ExtendedKalman
@@ -35,7 +33,7 @@ NOISES = {
 }
 
 
-def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick: bool) -> list[Record]:
+def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator]) -> list[Record]:
     """Recordings of new patients under the reference maneuver, force control, played side by side.
 
     Each takes its seed from its own random numbers, and is the same whoever is beside it.
@@ -45,16 +43,16 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
         load_agent(MANEUVER, control="force", env_id=env_id),
         patients=len(rngs),
         seed=[int(rng.integers(2**31)) for rng in rngs],
-        env_kwargs={"cohort": cohort, "episode_s": 5.0 if quick else EPISODE_S, "record": True, "track_bound": False},
+        env_kwargs={"cohort": cohort, "episode_s": EPISODE_S, "record": True, "track_bound": False},
         env_id=env_id,
     )
     ends = recording.time[recording.last]
     return [record.until(float(end)) for record, end in zip(recording.records or (), ends, strict=True)]
 
 
-def _draw_sides(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
+def _draw_sides(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
     """Four parameters, by the filter of the thesis and by ours, over time."""
-    for record in episodes("sides", "one_sided", rngs, quick):
+    for record in episodes("sides", "one_sided", rngs):
         yield pd.concat(
             [
                 rows.of_estimate(f.estimate(record), record, case, TIMES)
@@ -105,9 +103,9 @@ def judge_sides(table: pd.DataFrame) -> Judgement:
     )
 
 
-def _draw_full(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
+def _draw_full(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
     """Twelve parameters and, for the speed, four, over time."""
-    jaws, sides = episodes("jaw", "trismus", rngs, quick), episodes("sides", "trismus", rngs, quick)
+    jaws, sides = episodes("jaw", "trismus", rngs), episodes("sides", "trismus", rngs)
     for jaw, side in zip(jaws, sides, strict=True):
         yield pd.concat(
             [
@@ -152,9 +150,9 @@ def judge_full(table: pd.DataFrame) -> Judgement:
     )
 
 
-def _draw_noise(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
+def _draw_noise(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
     """Twelve parameters with and without noise on them."""
-    for record in episodes("jaw", "trismus", rngs, quick):
+    for record in episodes("jaw", "trismus", rngs):
         yield pd.concat([rows.of_estimate(f.estimate(record), record, case, TIMES) for case, f in NOISES.items()])
 
 
@@ -186,21 +184,6 @@ def judge_noise(table: pd.DataFrame) -> Judgement:
     )
 
 
-def _figure_sides(table: pd.DataFrame) -> Figure:
-    """Tracking of one draw, and errors of all against 3 sigma."""
-    return errors_with_bounds(table, {"linear": _TOLD["linear"], "log": _TOLD["log"]})
-
-
-def _figure_full(table: pd.DataFrame) -> Figure:
-    """Tracking of twelve parameters of one draw."""
-    return tracking(table, "log", columns=4)
-
-
-def _figure_noise(table: pd.DataFrame) -> Figure:
-    """Error and sd over time, with and without noise."""
-    return noise_figure(table, tuple(NOISES))
-
-
 _SETTING = (
     f"A new patient in each draw, maneuver “{MANEUVER.replace('_', ' ')}” under force control, {EPISODE_S:g} s, "
     "unmodelled forces and sensor noise of our device."
@@ -214,9 +197,6 @@ SIDES = Item(
     _SETTING + " Cohort “one sided”.",
     _draw_sides,
     judge_sides,
-    _figure_sides,
-    "Above: one draw, estimate and 3σ against the truth, as Fig. 6.9. Below: errors of all draws (grey, up to 40) "
-    "against the median 3σ, as Fig. 6.10.",
 )
 FULL = Item(
     "ekf_full",
@@ -227,8 +207,6 @@ FULL = Item(
     _SETTING + " Cohort “trismus”.",
     _draw_full,
     judge_full,
-    _figure_full,
-    "One draw in logs: estimate and 3σ against the truth (dashed).",
 )
 NOISE = Item(
     "ekf_noise",
@@ -238,7 +216,4 @@ NOISE = Item(
     _SETTING + " Noise: none; 1 % per √s, constant; and 3 % per √s, decaying in 5 s.",
     _draw_noise,
     judge_noise,
-    _figure_noise,
-    "Median over the draws: error (line) and sd that the filter claims (dashes). Where the error is above the dashes "
-    "the filter is too sure of itself.",
 )

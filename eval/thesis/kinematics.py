@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from eval.figures import statistics, words
-from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict, one_by_one
 from eval.thesis.methods.point_kinematics import compatible_range
@@ -19,13 +17,10 @@ POINTS = 60
 CLOSE_MM = 0.5  # a condyle that is found this closely follows the path that the figure shows
 BOUNDS = (np.array([-5e-4, -5e-3, 0.0, -0.2, -0.2]), np.array([12.8e-3, 5e-3, 0.7, 0.2, 0.2]))
 """Limits of x, y (m), theta, psi, alpha (rad): 5 mm and 11 degrees to each side."""
-_COLOURS = ("#3b82c4", "#e08a2c", "#3a9d5d")
-_MOUTH = {"x": "x, forward", "y": "y, left", "z": "z, up"}
 
 
-def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def draw(rng: np.random.Generator) -> pd.DataFrame:
     """Condyle and three points of the mandible at some times, found from noisy readings of pose and of the point."""
-    del quick
     clean = lowering_then_sideways()
     noisy = with_noise(clean, DEVICE, rng)
     assert clean.states is not None, "a prescribed motion has its states"
@@ -97,40 +92,6 @@ def judge(table: pd.DataFrame) -> Judgement:
     )
 
 
-def figure(table: pd.DataFrame) -> Figure:
-    """Condyle over the fossa from the side and from above, and the mouthpiece's path."""
-    with drawing.style():
-        drawn = Figure(figsize=(10.2, 3.1), layout="constrained")
-        mouth, side, above = drawn.subplots(1, 3)
-        first = table[table["draw"] == table["draw"].min()].sort_values("time_s")
-        for axis, colour in zip("xyz", _COLOURS, strict=True):
-            values = first[f"mouth_{axis}_mm"]
-            moved = values - values.iloc[0]
-            mouth.plot(first["time_s"], moved, color=colour)
-            peak = int(moved.abs().to_numpy().argmax())
-            mouth.annotate(
-                _MOUTH[axis],
-                (first["time_s"].iloc[peak], moved.iloc[peak]),
-                xytext=(0, -4 if moved.iloc[peak] > 0.0 else 4),
-                textcoords="offset points",
-                color=colour,
-                ha="center",
-                va="top" if moved.iloc[peak] > 0.0 else "bottom",
-            )
-        mouth.set(title="Mouthpiece, mm from its start", xlabel="s")
-        for axes, across, label in ((side, "z", "condyle up, mm"), (above, "y", "condyle left, mm")):
-            for name, colour, size in (("point", _COLOURS[1], 9), ("pose", _COLOURS[0], 9)):
-                axes.scatter(
-                    first[f"{name}_x_mm"], first[f"{name}_{across}_mm"], s=size, color=colour, label=f"from the {name}"
-                )
-            axes.plot(first["true_x_mm"], first[f"true_{across}_mm"], color=drawing.INK, linewidth=1, label="true")
-            axes.set(xlabel="condyle forward, mm", ylabel=label)
-        side.set_title("Condyle from the side")
-        above.set_title("Condyle from above")
-        side.legend(loc="lower left")
-        return drawn
-
-
 ITEM = Item(
     "kinematics",
     "Inverse kinematics",
@@ -140,7 +101,4 @@ ITEM = Item(
     "The jaw is lowered to 20° in 4 s and led 5° to the left; one reading at a time, without smoothing.",
     one_by_one(draw),
     judge,
-    figure,
-    "One draw. The point alone leaves yaw and the condyle's place aside undetermined: its dots lie where the search "
-    "for the smallest motion ends.",
 )

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.histograms import FEWEST_IN_BINS, histograms, physician_view
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.methods.least_squares import LinearLeastSquares, NonlinearLeastSquares
 from eval.thesis.methods.moment_balance import balance_of
@@ -23,9 +21,8 @@ NOISES = {"sensors": SENSORS, "sensors and forces": DEVICE}
 CLOSE = 0.1  # a mean this near to the truth, relative, is "close to the actual"
 
 
-def _draw_linear(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def _draw_linear(rng: np.random.Generator) -> pd.DataFrame:
     """Three muscles in the plane by linearised least squares; F_o may come out negative, so there may be no logs."""
-    del quick
     record = with_noise(plane_record(), SENSORS, rng)
     coefficients, _ = LinearLeastSquares().coefficients(balance_of(record), record.gain_sd)
     force, slope = coefficients[0::2], coefficients[1::2]
@@ -83,18 +80,18 @@ def _linear_text(table: pd.DataFrame, spread: Spread) -> str:
     )
 
 
-def _nonlinear(clean: Record, rng: np.random.Generator, starts: int) -> pd.DataFrame:
+def _nonlinear(clean: Record, rng: np.random.Generator) -> pd.DataFrame:
     """Nonlinear least squares with noise of the sensors, and with forces that no model explains on top."""
     tables = []
     for case, device in NOISES.items():
         record = with_noise(clean, device, rng)
-        tables.append(rows.of_estimate(NonlinearLeastSquares(starts=starts).estimate(record), record, case))
+        tables.append(rows.of_estimate(NonlinearLeastSquares(starts=2).estimate(record), record, case))
     return pd.concat(tables)
 
 
-def _draw_plane(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def _draw_plane(rng: np.random.Generator) -> pd.DataFrame:
     """Three muscles in the plane by nonlinear least squares."""
-    return _nonlinear(plane_record(), rng, 1 if quick else 2)
+    return _nonlinear(plane_record(), rng)
 
 
 def judge_plane(table: pd.DataFrame) -> Judgement:
@@ -119,9 +116,9 @@ def judge_plane(table: pd.DataFrame) -> Judgement:
     )
 
 
-def _draw_full(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def _draw_full(rng: np.random.Generator) -> pd.DataFrame:
     """Twelve parameters by nonlinear least squares, from the middle of a wide prior."""
-    return _nonlinear(full_record(), rng, 1 if quick else 2)
+    return _nonlinear(full_record(), rng)
 
 
 def judge_full(table: pd.DataFrame) -> Judgement:
@@ -173,30 +170,10 @@ def judge_physician(table: pd.DataFrame) -> Judgement:
     )
 
 
-def _figure_linear(table: pd.DataFrame) -> Figure:
-    """Histograms of six parameters."""
-    return histograms(table, columns=6)
-
-
-def _figure_nonlinear(table: pd.DataFrame) -> Figure:
-    """Histograms of all parameters with the noise of the sensors."""
-    return histograms(rows.of_case(table, "sensors"), columns=6)
-
-
-def _figure_physician(table: pd.DataFrame) -> Figure:
-    """Verdict on the histograms that a physician would see."""
-    return physician_view(rows.of_case(table, "sensors"))
-
-
 _PLANE = (
     "Midline model held in the plane, the three pairs of muscles, F_o and b as in Fig. 6.4 with the second pair the "
     "other way round than printed; two openings to 25° in 30 s with the condyle led off its slide by up to 3 mm; "
     "noise of our device."
-)
-
-_SHOWN = (
-    f", the outermost 4 % left out, or fewer than {FEWEST_IN_BINS} draws each as a dot; the line is the truth, the "
-    "dash the mean of those shown."
 )
 
 LINEAR = Item(
@@ -208,8 +185,6 @@ LINEAR = Item(
     _PLANE,
     one_by_one(_draw_linear),
     judge_linear,
-    _figure_linear,
-    f"Estimates of all draws{_SHOWN} A negative F_o has no meaning, and with it b = (F_o b) / F_o has none.",
 )
 PLANE = Item(
     "nonlinear_plane",
@@ -220,8 +195,6 @@ PLANE = Item(
     _PLANE,
     one_by_one(_draw_plane),
     judge_plane,
-    _figure_nonlinear,
-    "Estimates of all draws with the noise of the sensors" + _SHOWN,
 )
 FULL = Item(
     "nonlinear_full",
@@ -233,8 +206,6 @@ FULL = Item(
     "of 4° to the sides, 20 s; search from the middle of the prior “wide”.",
     one_by_one(_draw_full),
     judge_full,
-    _figure_nonlinear,
-    "Estimates of all draws with the noise of the sensors" + _SHOWN,
 )
 PHYSICIAN = Item(
     "physician_view",
@@ -245,8 +216,5 @@ PHYSICIAN = Item(
     "The same patient and maneuver as for the 12 parameters.",
     one_by_one(_draw_full),
     judge_physician,
-    _figure_physician,
-    "Mean and one sd of every muscle over the draws, left blue, right violet, with the truth in red; the last panel: "
-    "the 95 % ellipse of F_o and b of each muscle.",
     same_draws_as="nonlinear_full",
 )

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from eval.figures import words
 from eval.figures.statistics import Interval
-from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.methods.least_squares import NonlinearLeastSquares
@@ -24,23 +22,15 @@ METHODS: dict[str, NonlinearLeastSquares | ExtendedKalman] = {
     "filter": ExtendedKalman("log"),
 }
 
-LINES: tuple[tuple[bool, str, str, str], ...] = (
-    (False, "least squares", "#e08a2c", "-"),
-    (True, "least squares", "#3b82c4", "-"),
-    (False, "filter", "#e08a2c", "--"),
-    (True, "filter", "#3b82c4", "--"),
-)
-
 
 def _case(degrees: float, to_the_side: bool, method: str) -> str:
     return f"{degrees:g}° {'with swings' if to_the_side else 'straight'}, {method}"
 
 
-def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def draw(rng: np.random.Generator) -> pd.DataFrame:
     """Each opening with and without swings, by nonlinear least squares with the prior and by the filter in logs."""
-    openings = (SMALL, LARGE) if quick else OPENINGS
     tables = []
-    for degrees in openings:
+    for degrees in OPENINGS:
         for to_the_side in (False, True):
             record = with_noise(maneuver_record(degrees, to_the_side), DEVICE, rng)
             for name, method in METHODS.items():
@@ -104,35 +94,6 @@ def judge(table: pd.DataFrame) -> Judgement:
     )
 
 
-def figure(table: pd.DataFrame) -> Figure:
-    """Errors of F_o and b over the size of the opening."""
-    openings = [d for d in OPENINGS if _case(d, True, "filter") in set(table["case"])]
-    with drawing.style():
-        drawn = Figure(figsize=(8.2, 3.2), layout="constrained")
-        for axes, symbol, title in zip(
-            drawn.subplots(1, 2, sharey=True), ("log_F_o", "log_b"), ("F_o", "b"), strict=True
-        ):
-            for to_the_side, method, colour, line in LINES:
-                intervals = [errors(table, symbol, degrees, to_the_side, method) for degrees in openings]
-                ends = np.array([[i.value - i.low, i.high - i.value] for i in intervals]).T
-                axes.errorbar(
-                    openings,
-                    [i.value for i in intervals],
-                    yerr=np.nan_to_num(np.maximum(ends, 0.0)),
-                    color=colour,
-                    marker="o",
-                    markersize=4,
-                    capsize=3,
-                    linestyle=line,
-                    label=f"{'with swings' if to_the_side else 'straight'}, {method}",
-                )
-            axes.set(title=f"Error of {title}", xlabel="opening beyond rest, degrees", xticks=openings)
-            drawing.log_percent(axes, ticks=(1, 2, 5, 10, 20, 50, 100))
-        handles, labels = drawn.axes[0].get_legend_handles_labels()
-        drawn.legend(handles, labels, loc="outside lower center", ncols=4)
-        return drawn
-
-
 ITEM = Item(
     "maneuver",
     "What the maneuver decides",
@@ -144,6 +105,4 @@ ITEM = Item(
     "filter in logs.",
     one_by_one(draw),
     judge,
-    figure,
-    "Root mean square error of the logs over the muscles, median of the draws with its interval.",
 )

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
-from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.prescribed import with_noise
@@ -32,11 +29,10 @@ def _parts(hz: float) -> int:
     return max(1, round(1.0 / (hz * TICK)))
 
 
-def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def draw(rng: np.random.Generator) -> pd.DataFrame:
     """The same motion, sampled at each rate; where ticks are longer than 10 ms, with them divided as well."""
-    rates = (100.0, 10.0) if quick else RATES
     tables = []
-    for hz in rates:
+    for hz in RATES:
         record = with_noise(sampled_record(1.0 / hz), DEVICE, rng)
         for parts in sorted({1, _parts(hz)}):
             estimate = FILTER.estimate(divided(record, parts))
@@ -98,54 +94,8 @@ def judge(table: pd.DataFrame) -> Judgement:
     )
 
 
-def figure(table: pd.DataFrame) -> Figure:
-    """Error and NEES over the rate, with the ticks as sampled and divided."""
-    rates = _rates(table)
-    with drawing.style():
-        drawn = Figure(figsize=(8.2, 2.8), layout="constrained")
-        left, right = drawn.subplots(1, 2)
-        for axes in (left, right):
-            for colour, label, cases in (
-                ("#3b82c4", "as sampled", {hz: _case(hz) for hz in rates}),
-                ("#c4783b", "divided into 10 ms", {hz: _case(hz, _parts(hz)) for hz in rates if _parts(hz) > 1}),
-            ):
-                of_case = _error if axes is left else nees
-                _dots(axes, {hz: of_case(table, case) for hz, case in cases.items()}, colour, label)
-            axes.set_xscale("log")
-            axes.set_xticks(rates, [f"{hz:g}" for hz in rates])
-            axes.minorticks_off()
-            axes.set_xlim(0.8 * min(rates), 1.25 * max(rates))
-            axes.set_xlabel("samples per second")
-        drawing.log_percent(left, ticks=(1, 2, 5, 10, 20, 50, 100))
-        left.set_title("Error of the 12 parameters")
-        left.legend()
-        right.set_title("NEES, median")
-        right.axhline(HONEST, color="#3a9d5d", linewidth=1.2)
-        right.set_yscale("log")
-        return drawn
-
-
 def _error(table: pd.DataFrame, case: str) -> Interval:
     return rows.rmse(rows.of_case(table, case))
-
-
-def _dots(axes: Axes, values: dict[float, Interval], colour: str, label: str) -> None:
-    """A dot with its interval at each rate; none where the filter diverges."""
-    intervals = {hz: interval for hz, interval in values.items() if np.isfinite(interval.value)}
-    ends = [
-        [max(interval.value - interval.low, 0.0), max(interval.high - interval.value, 0.0)]
-        for interval in intervals.values()
-    ]
-    axes.errorbar(
-        list(intervals),
-        [interval.value for interval in intervals.values()],
-        yerr=np.nan_to_num(np.array(ends).reshape(-1, 2).T, posinf=0.0),
-        marker="o",
-        markersize=4,
-        capsize=3,
-        color=colour,
-        label=label,
-    )
 
 
 ITEM = Item(
@@ -158,8 +108,4 @@ ITEM = Item(
     "filter in logs, untuned.",
     one_by_one(draw),
     judge,
-    figure,
-    "Medians of the draws with their intervals; the green line is where a calibrated filter is. A rate without a dot "
-    "diverges. What makes it too sure is not the rate of the readings but the length of its step: divided into ticks "
-    "of 10 ms (jawenv.recordings.thinning), the same readings leave it nearly calibrated (docs/thesis.md).",
 )

@@ -1,61 +1,99 @@
-"""``python -m eval thesis`` from start to end: a table in the terminal, and one HTML file that needs no other file."""
+"""The results of Young (2016) as a study: every draw of every result, judged, in a table and on a page.
+
+Every draw has random numbers of its own, made from (seed, result, number of the draw).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, ClassVar
 
+import numpy as np
 import pandas as pd
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+import eval.thesis
+from eval.figures.tables import made_by
+from eval.kept.cells import Cell, Rows, play_each
 from eval.kept.parts import Run
-from eval.kept.tables import made_with
-from eval.report import template
-from eval.report.template import picture
-from eval.thesis.catalogue import chosen
+from eval.kept.tables import write_table
+from eval.thesis.catalogue import ITEMS
 from eval.thesis.item import Item, Judgement
-from eval.thesis.run import ENOUGH, Draws, draw_all, keep
+from jawenv.base.files import write_text
+from jawenv.base.locks import alone
 
-_COLOUR = {"reproduced": "green", "partly": "yellow", "not reproduced": "red"}
+TOGETHER = 10
+ENOUGH = 20
+"""Draws, below which no verdict is given."""
 UNDECIDED = "too few draws"
+_COLOUR = {"reproduced": "green", "partly": "yellow", "not reproduced": "red"}
+
+
+@dataclass(frozen=True)
+class Draws(Rows):
+    """The rows of an item's draws, which have a column ``draw``."""
+
+    columns = ("draw",)
+    made_by: ClassVar[tuple[ModuleType, ...]] = (eval.thesis,)
+    item: str  # key of the item that owns the draws
+    seed: int  # of all draws
+
+    def play(self, entry: Any, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
+        """See `Rows`; ``seed`` is the number of the first draw."""
+        numbers = range(seed, seed + number)
+        rngs = [np.random.default_rng([self.seed, zlib.crc32(self.item.encode()), draw]) for draw in numbers]
+        drawn = zip(ITEMS[self.item].draw(rngs), numbers, strict=True)
+        return pd.concat([table.assign(draw=draw) for table, draw in drawn], ignore_index=True)
+
+
+def draw_all(
+    items: Sequence[Item], draws: int, seed: int, output: Path, run: Run | None = None
+) -> dict[str, pd.DataFrame]:
+    """Every draw of every item.
+
+    Args:
+        items: the items to draw.
+        draws: how many of each, 2 or more.
+        seed: of all draws.
+        output: folder, which keeps finished parts.
+        run: how it is done.
+
+    Returns:
+        Rows of all draws of each item by its key.
+    """
+    keys = list(dict.fromkeys(item.drawn_as for item in items))
+    cells = [Cell({"result": key}, None, range(draws), Draws(key, seed), TOGETHER) for key in keys]
+    tables = dict(zip(keys, play_each(cells, output, run, "draws of all results"), strict=True))
+    return {item.key: tables[item.drawn_as] for item in items}
 
 
 def study(
-    only: list[str] | None, settings: Draws, output: Path, run: Run, command: str, console: Console
+    items: Sequence[Item], draws: int, seed: int, output: Path, run: Run, metadata: dict[str, Any], console: Console
 ) -> dict[str, Judgement]:
-    """Draw, judge, print and write.
-
-    Args:
-        only: keys of the items; all by default.
-        settings: how the items are drawn.
-        output: folder of results and report.
-        run: how the draws are made.
-        command: how the user asked for it.
-        console: where to print.
+    """Draw, judge, print and write ``study.md`` and a Parquet file for each item; see `draw_all`.
 
     Returns:
         The findings by the items' keys.
     """
-    items = chosen(only)
-    tables = draw_all(items, settings, output, run)
+    tables = draw_all(items, draws, seed, output, run)
     findings = {item.key: item.judge(tables[item.key]) for item in items}
-    for item in items:
-        keep(item, tables[item.key], findings[item.key], settings, output)
-    show(items, findings, settings, console)
-    if not console.is_terminal:
-        console.print("drawing the report")
-    with console.status("drawing the report"):
-        written = write(items, tables, findings, settings, made_with(command), output / "report.html")
-    console.print(f"report:  {written}\nresults: {output}/*.parquet, {output}/*.json", soft_wrap=True)
+    with alone(output):
+        for key, table in tables.items():
+            write_table(table, output / f"{key}.parquet", metadata)
+        write_text(output / "study.md", _markdown(items, findings, draws, metadata))
+    _show(items, findings, draws, console)
+    console.print(f"tables:  {output / 'study.md'}\nresults: {output}/*.parquet", soft_wrap=True)
     return findings
 
 
-def show(items: Sequence[Item], findings: dict[str, Judgement], settings: Draws, console: Console) -> None:
+def _show(items: Sequence[Item], findings: Mapping[str, Judgement], draws: int, console: Console) -> None:
     """Print every result: place in the thesis, measurement, and the verdict if there are enough draws for one."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Young (2016) and what we measure", title_justify="left")
     table.add_column("result", min_width=20)
@@ -64,7 +102,7 @@ def show(items: Sequence[Item], findings: dict[str, Judgement], settings: Draws,
     for item in items:
         finding = findings[item.key]
         name = Text.assemble((item.title, "bold"), "\n", (item.where, "dim"))
-        if settings.decisive:
+        if draws >= ENOUGH:
             table.add_row(name, finding.measured, Text(finding.verdict, style=_COLOUR[finding.verdict]))
             table.add_row("", Text(finding.why, style="dim"), "")
         else:
@@ -72,37 +110,12 @@ def show(items: Sequence[Item], findings: dict[str, Judgement], settings: Draws,
     console.print(table)
 
 
-def write(
-    items: Sequence[Item],
-    tables: dict[str, pd.DataFrame],
-    findings: dict[str, Judgement],
-    settings: Draws,
-    metadata: dict[str, Any],
-    path: Path,
-) -> Path:
-    """Write the report.
-
-    Args:
-        items: in their order.
-        tables: rows of all draws by the items' keys.
-        findings: by the items' keys.
-        settings: of the draws.
-        metadata: command, versions and time.
-        path: of the HTML file.
-
-    Returns:
-        The path.
-    """
-    page = template.render(
-        "thesis.html.j2",
-        items=items,
-        findings=findings,
-        pictures={item.key: picture(item.figure(tables[item.key]), item.key, item.title) for item in items},
-        settings=asdict(settings),
-        decisive=settings.decisive,
-        undecided=UNDECIDED,
-        enough=ENOUGH,
-        about=metadata,
-        counts={verdict: sum(finding.verdict == verdict for finding in findings.values()) for verdict in _COLOUR},
-    )
-    return template.write(page, path)
+def _markdown(items: Sequence[Item], findings: Mapping[str, Judgement], draws: int, metadata: dict[str, Any]) -> str:
+    """The page: of every result what the thesis says, our setting, what we measure, and the verdict."""
+    lines = ["# The results of Young (2016), drawn again", made_by(metadata, f"{draws} draws of each")]
+    for item in items:
+        finding = findings[item.key]
+        verdict = f"**{finding.verdict}**: {finding.why}" if draws >= ENOUGH else f"**{UNDECIDED}**"
+        lines += [f"## {item.title}", f"{item.where}. {item.says}", f"Here: {item.how}"]
+        lines += [f"We measure: {finding.measured}", verdict]
+    return "\n\n".join(lines) + "\n"

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from eval.figures import words
-from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.methods.least_squares import NonlinearLeastSquares
@@ -18,15 +16,13 @@ from eval.thesis.settings import SENSORS, hinge_record, plane_record
 from jawenv.recordings.record import Record
 
 CLOSE = 0.1
-DRAWN = 100
 RECORDS = {"one muscle": hinge_record, "three muscles": plane_record}
 TWO_STAGES, NONLINEAR = TwoStageLogLinear(), NonlinearLeastSquares(starts=1)
 NOISY, PURE, SECOND, OTHER = "two stages", "two stages, no noise", "second stage, true F_o, no noise", "nonlinear"
 
 
-def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+def draw(rng: np.random.Generator) -> pd.DataFrame:
     """One muscle on a hinge and three in the plane, by the two-stage method, its parts, and nonlinear least squares."""
-    del quick
     tables = []
     for muscles, clean in RECORDS.items():
         record = with_noise(clean(), SENSORS, rng)
@@ -88,29 +84,6 @@ def judge(table: pd.DataFrame) -> Judgement:
     )
 
 
-def figure(table: pd.DataFrame) -> Figure:
-    """Estimates of b over the truth, per case."""
-    cases = list(dict.fromkeys(table["case"]))
-    drawn_ones = table[table["draw"] < table["draw"].min() + DRAWN]
-    with drawing.style():
-        drawn = Figure(figsize=(8.6, 0.6 + 0.42 * len(cases)), layout="constrained")
-        for axes, symbol, title in zip(
-            drawn.subplots(1, 2, sharey=True), ("log_F_o", "log_b"), ("F_o", "b"), strict=True
-        ):
-            for x, case in enumerate(cases):
-                estimates = rows.kind(rows.of_case(drawn_ones, case), symbol)
-                ratio = (estimates["value"] / estimates["true_value"]).to_numpy()
-                ratio = ratio[np.isfinite(ratio)]
-                offsets = x + 0.32 * np.linspace(-1.0, 1.0, len(ratio))
-                axes.scatter(np.clip(ratio, 0.02, 50), offsets, s=6, color="#3b82c4", alpha=0.5, linewidth=0)
-            axes.axvline(1.0, color="#c25b4e", linewidth=1.4)
-            axes.set_xscale("log")
-            axes.set(title=f"{title}: estimate / truth", ylim=(len(cases) - 0.5, -0.5), yticks=range(len(cases)))
-            axes.set_yticklabels(cases)
-            axes.grid(axis="y", visible=False)
-        return drawn
-
-
 ITEM = Item(
     "two_stage",
     "The failed two-stage method",
@@ -120,7 +93,4 @@ ITEM = Item(
     "One muscle on a hinge, and the three of Fig. 6.4 in the plane; both stages from one recording to 25°.",
     one_by_one(draw),
     judge,
-    figure,
-    f"One dot per draw and muscle, of up to {DRAWN} draws, spread for sight; none where there is no value; beyond 1/50 "
-    "or 50, and negative ones, at the edge.",
 )

@@ -1,57 +1,51 @@
 """The thesis's results drawn again: the command, its resuming, and verdicts that follow from the draws."""
 
-import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
-from rich.console import Console
 
 from eval.commands.app import main
 from eval.kept.parts import Run
-from eval.thesis import catalogue, kalman, kinematics, least_squares, maneuver, rates, rows, run, study, two_stage
-from eval.thesis.histograms import histograms
+from eval.studies.design import read
+from eval.thesis import catalogue, kalman, kinematics, least_squares, maneuver, rates, rows, study, two_stage
 from eval.thesis.item import Item, Judgement, one_by_one
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.anatomy.muscles import known_muscle_sets
-from jawenv.base.errors import InputError
 
 SETS = known_muscle_sets()
 
 
-def test_the_command_draws_judges_and_reports(tmp_path, capsys):
-    arguments = ["thesis", "--quick", "--only", "kinematics", "--only", "linear", "--output", str(tmp_path)]
-    assert main([*arguments, "--draws", "3"]) == 0
-    printed = capsys.readouterr().out
-    assert "Inverse kinematics" in printed and "report:" in printed
-    page = (tmp_path / "report.html").read_text()
-    for key in ("kinematics", "linear"):
-        told = json.loads((tmp_path / f"{key}.json").read_text())
-        assert told["verdict"] in ("reproduced", "partly", "not reproduced")
-        assert told["numbers"] and told["settings"] == {"draws": 3, "seed": 0, "quick": True}
-        assert set(pd.read_parquet(tmp_path / f"{key}.parquet")["draw"]) == {0, 1, 2}
-        assert f'id="{key}"' in page
-    assert page.count("<svg") == 2 and "http" not in page.replace("http://www.w3.org", "")
+def written(folder, draws, *results, seed=0):
+    """A study's file of results."""
+    folder.mkdir(exist_ok=True)
+    content = f"title: Results\nresults: [{', '.join(results)}]\npatients: {draws}\nseed: {seed}\n"
+    (folder / "results.yaml").write_text(content)
+    return ["study", str(folder / "results.yaml"), "--output", str(folder / "out")]
 
-    assert main([*arguments, "--draws", "3"]) == 0
+
+def test_the_study_draws_judges_and_writes(tmp_path, capsys):
+    arguments = written(tmp_path, 3, "kinematics", "linear")
+    assert main(arguments) == 0
+    printed = capsys.readouterr().out
+    assert "Inverse kinematics" in printed and "too few draws" in printed
+    page = (tmp_path / "out" / "study.md").read_text()
+    for key in ("kinematics", "linear"):
+        assert set(pd.read_parquet(tmp_path / "out" / f"{key}.parquet")["draw"]) == {0, 1, 2}
+        assert f"## {catalogue.ITEMS[key].title}" in page
+    assert main(arguments) == 0
     assert "6 of 6 draws of all results kept from an earlier run" in capsys.readouterr().out
 
 
-def test_bad_input_is_refused_in_one_line(tmp_path, capsys):
-    for arguments, told in (
-        (["--only", "fig_6_3"], "fig_6_3"),
-        (["--draws", "1"], "draws is 1; allowed"),
-        (["--seed", "-1"], "seed is -1; allowed: a whole number, 0 to 4294967295"),
-        (
-            ["--seed", "1" + 24 * "0"],
-            "seed is 1000000000000000000000000; allowed: a whole number, 0 to 4294967295",
-        ),
-    ):
-        assert main(["thesis", *arguments, "--output", str(tmp_path)]) == 2
-        error = capsys.readouterr().err
-        assert told in error and error.count("\n") == 1
-    (tmp_path / "file").write_text("")
-    assert main(["thesis", "--output", str(tmp_path / "file")]) == 2
+def test_the_study_that_comes_along_has_every_result():
+    assert list(read("thesis")[1].results) == list(catalogue.ITEMS)
+
+
+def test_an_unknown_result_is_refused_in_one_line(tmp_path, capsys):
+    assert main(written(tmp_path, 3, "fig_6_3")) == 2
+    error = capsys.readouterr().err
+    assert "results is 'fig_6_3'; allowed: kinematics" in error and error.count("\n") == 1
 
 
 @pytest.fixture
@@ -59,66 +53,44 @@ def toy(monkeypatch):
     """An item that counts its draws, and can be told to be interrupted in one of them."""
     state = {"drawn": [], "interrupt": None}
 
-    def draw(rng, quick):
+    def draw(rng):
         if len(state["drawn"]) == state["interrupt"]:
             raise KeyboardInterrupt
-        state["drawn"].append(quick)
+        state["drawn"].append(rng)
         return pd.DataFrame({"value": [rng.normal()]})
 
     def judge(table):
         return Judgement("nothing", "reproduced", "it is a toy", {"mean": float(table["value"].mean())})
 
-    def figure(table):
-        from matplotlib.figure import Figure
-
-        return Figure()
-
-    item = Item("toy", "Toy", "nowhere", "nothing", "none", one_by_one(draw), judge, figure, "")
-    monkeypatch.setattr(catalogue, "ITEMS", {"toy": item})
+    item = Item("toy", "Toy", "nowhere", "nothing", "none", one_by_one(draw), judge)
+    monkeypatch.setitem(catalogue.ITEMS, "toy", item)
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     return state
 
 
 def test_a_run_goes_on_where_it_was_interrupted(toy, tmp_path, capsys):
-    arguments = ["thesis", "--draws", "25", "--output", str(tmp_path)]
+    arguments, rows = written(tmp_path, 25, "toy"), tmp_path / "out" / "toy.parquet"
     toy["interrupt"] = 14
     assert main(arguments) == 130
     assert "interrupted" in capsys.readouterr().err
-    assert not (tmp_path / "toy.parquet").exists()
+    assert not rows.exists()
     toy["interrupt"] = None
     assert main(arguments) == 0
-    assert len(toy["drawn"]) == 14 + 15  # the first ten were kept, the four of the broken chunk are drawn again
-    whole = pd.read_parquet(tmp_path / "toy.parquet")
+    assert len(toy["drawn"]) == 14 + 15  # the first ten were kept, the four of the broken part are drawn again
+    whole = pd.read_parquet(rows)
     assert list(whole["draw"]) == list(range(25))
 
-    other = tmp_path / "other"
-    assert main([*arguments[:-1], str(other)]) == 0
-    pd.testing.assert_frame_equal(whole, pd.read_parquet(other / "toy.parquet"))
-
-    assert main([*arguments, "--fresh"]) == 0
-    assert len(toy["drawn"]) == 29 + 25 + 25
-    assert main([*arguments, "--seed", "1"]) == 0
-    assert not whole["value"].equals(pd.read_parquet(tmp_path / "toy.parquet")["value"])
+    assert main(written(tmp_path / "other", 25, "toy")) == 0
+    pd.testing.assert_frame_equal(whole, pd.read_parquet(tmp_path / "other" / "out" / "toy.parquet"))
+    assert main(written(tmp_path, 25, "toy", seed=1)) == 0
+    assert not whole["value"].equals(pd.read_parquet(rows)["value"])
 
 
-def test_a_damaged_file_says_what_to_do(toy, tmp_path):
-    console = Console(quiet=True)
-    study.study(None, run.Draws(3, quick=True), tmp_path, Run(), "", console)
-    (chunk,) = (tmp_path / "draws").glob("*.parquet")
-    chunk.write_text("no parquet")
-    with pytest.raises(InputError):
-        study.study(None, run.Draws(3, quick=True), tmp_path, Run(), "", console)
-
-
-@pytest.mark.parametrize(("options", "shown"), [([], "reproduced"), (["--quick"], None), (["--draws", "19"], None)])
-def test_a_verdict_is_shown_where_the_draws_are_enough(toy, tmp_path, capsys, options, shown):
-    assert main(["thesis", "--draws", "20", *options, "--output", str(tmp_path)]) == 0
-    page, printed = (tmp_path / "report.html").read_text(), capsys.readouterr().out
-    for text in (page.partition("<body>")[2], printed):
-        assert ("it is a toy" in text) == (shown is not None)
-        assert ("too few draws" in text) == (shown is None)
-    assert page.count('<span class="badge reproduced">') == (2 if shown else 0)
-    assert page.count('<span class="badge">too few draws</span>') == (0 if shown else 2)
+@pytest.mark.parametrize(("draws", "shown"), [(20, True), (19, False)])
+def test_a_verdict_is_shown_where_the_draws_are_enough(toy, tmp_path, capsys, draws, shown):
+    assert main(written(tmp_path, draws, "toy")) == 0
+    for text in ((tmp_path / "out" / "study.md").read_text(), capsys.readouterr().out):
+        assert ("it is a toy" in text) == shown and ("too few draws" in text) != shown
 
 
 def estimates(names, cases, draws=40, times=(30.0,), error=0.02, sd=0.02, bias=0.0):
@@ -252,21 +224,10 @@ def test_verdict_on_the_two_stages_follows_the_errors():
 
 def test_verdict_on_inverse_kinematics_follows_the_path(monkeypatch):
     monkeypatch.setattr(kinematics, "_aside_range", lambda: np.array([-0.1, 0.1]))
-    table = pd.concat([kinematics.draw(np.random.default_rng(k), True).assign(draw=k) for k in range(3)])
+    table = pd.concat([kinematics.draw(np.random.default_rng(k)).assign(draw=k) for k in range(3)])
     assert verdicts(kinematics.judge, table, table.assign(pose_y_mm=9.0)) == ["reproduced", "not reproduced"]
     monkeypatch.setattr(kinematics, "_aside_range", lambda: np.array([-4.0, 4.0]))
     assert verdicts(kinematics.judge, table) == ["partly"]
-
-
-@pytest.mark.parametrize("draws", [4, 40])
-def test_few_estimates_are_drawn_one_by_one(draws):
-    table = estimates(PAIRS, ["linear"], draws)
-    for axes, name in zip(histograms(table, 6).axes, sorted(PAIRS, key=lambda name: "log_b" in name), strict=True):
-        values = table.loc[table["parameter"] == name, "value"].to_numpy()
-        dots = [line.get_xdata() for line in axes.lines if line.get_marker() == "o"]
-        if draws == 4:
-            np.testing.assert_array_equal(dots[0], values)
-        assert bool(axes.patches) == (draws == 40) and len(dots) == (draws == 4)
 
 
 def test_no_value_in_some_draws_counts_as_wrong_not_as_absent():
@@ -275,10 +236,7 @@ def test_no_value_in_some_draws_counts_as_wrong_not_as_absent():
     assert rows.rmse(table).value == np.inf
 
 
-def test_parts_share_what_does_not_change_and_differ_in_what_does(tmp_path):
-    item = catalogue.ITEMS["physician_view"]
-    ten, more = (run.parts_of_item(item, run.Draws(draws), tmp_path) for draws in (10, 20))
-    assert ten == more[:1]
-    assert ten == run.parts_of_item(catalogue.ITEMS["nonlinear_full"], run.Draws(10), tmp_path)
-    for other in (run.Draws(10, seed=1), run.Draws(10, quick=True)):
-        assert run.parts_of_item(item, other, tmp_path)[0].files != ten[0].files
+def test_results_of_the_same_draws_are_drawn_once(toy, tmp_path):
+    again = replace(catalogue.ITEMS["toy"], key="again", same_draws_as="toy")
+    tables = study.draw_all([catalogue.ITEMS["toy"], again], 3, 0, tmp_path, Run(workers=1))
+    assert tables["again"] is tables["toy"] and len(toy["drawn"]) == 3
