@@ -94,7 +94,7 @@ def apg(policy: Policy, env: gym.vector.VectorEnv, optimiser: torch.optim.Optimi
     worlds = Worlds(Twin(simulation), Patients.of_worlds(simulation.worlds), torch.Generator().manual_seed(seed))
     discomfort = torch.zeros(env.num_envs, dtype=torch.float64)
     for step in range(STEPS):
-        seen = observation(worlds, 1.0 - step / STEPS).float()
+        seen = observation(worlds, 1.0 - step / STEPS, simulation.configuration.parts).float()
         discomfort = discomfort + worlds.step(policy.targets(step, policy.mean(seen).double()))
     optimiser.zero_grad()
     (log_worst(worlds) + 2.0 * discomfort).mean().backward()
