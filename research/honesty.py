@@ -6,7 +6,8 @@
 bias: the largest mean z of all parameters, all cohorts, three controls. corners: motors held at each of the 16
 corners of their range. memory: a disturbance with memory, told rightly and wrongly. alarm: what rings, of calibrated
 episodes and of others. change: how much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo
-moves, beside the filter's own. effects: how wrong belief and change are under each effect that the filter is not told.
+moves, beside the filter's own. way: how often a belief is false on its way, all beliefs and those that are settled, and
+what waiting for these costs. effects: how wrong belief and change are under each effect that the filter is not told.
 all: those of the page, each under its title, on as many patients as ``ALL`` says. A _row is printed as soon as it is
 there.
 """
@@ -28,9 +29,11 @@ from eval.studies.design import read
 from jawenv.anatomy import COHORTS
 from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS
+from jawenv.metrics import time_to
 
 MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
 LOT, SECONDS = 50, 30.0  # patients that are played together; length of an episode
+BUDGET_S = 1.0 / 30.0
 LOST = 10.0  # NEES over the number of parameters
 RICH, SWINGS, PLAIN = "refined", "opening_with_swings_and_fore_aft", "slow_opening"
 ONE_CHANNEL = "examples/one_channel.yaml"
@@ -235,11 +238,48 @@ def jaws(arguments):
         _row(title, name, jaw, sample.figures(), sample.sds(), sample.ringing())
 
 
+def way(arguments):
+    """Print the share of false beliefs on the way through 10 s of ``anyone``, with and without a kept budget."""
+    of = "false steps, %", "patients with one, %"
+    head("agent, 10 s of `anyone`", "budget, s", *of, "settled and false, %", of[1], "price, s")
+    for name, budget in product((SWINGS, RICH, "random", "apg_anyone"), (None, BUDGET_S)):
+        lots = []
+        for first in range(0, arguments.patients, LOT):
+            kwargs = {"cohort": "anyone", "control": "targets", "episode_s": 10.0, "track_bound": False}
+            kwargs |= {"comfort_budget_s": budget}
+            number = min(LOT, arguments.patients - first)
+            lots.append(
+                _on_the_way(
+                    jawenv.play(load_agent(name), patients=number, seed=arguments.seed + first, env_kwargs=kwargs)
+                )
+            )
+        false, settled, waited = (np.concatenate(parts) for parts in zip(*lots, strict=True))
+        shares = (100.0 * np.mean(mask) for each in (false, false & settled) for mask in (each, each.any(axis=1)))
+        _row(
+            name,
+            "–" if budget is None else f"{budget:.2g}",
+            *(f"{share:.2g}" for share in shares),
+            f"{waited.mean():.2f}",
+        )
+
+
+def _on_the_way(played):
+    """Which beliefs (N, T) are false, which are settled, and s (N,) by which settled ones are within 5 % later."""
+    error = played.belief_mean - played.truth[:, None]
+    solved = np.linalg.solve(played.belief_cov, error[..., None])[..., 0]
+    false = (np.mean(error * solved, axis=-1) > LOST) & played.valid
+    last = played.time[-1]
+    at, later = (
+        np.minimum(time_to(played.belief_sd, played.time, 0.05, mask), last) for mask in (played.valid, played.counts)
+    )
+    return false, played.settled, later - at
+
+
 def _sds(name):
     return {field: value for field, value in asdict(knowledge(name)).items() if value > 0.0}
 
 
-TABLES = {table.__name__: table for table in (bias, corners, memory, alarm, change, jaws, effects)}
+TABLES = {table.__name__: table for table in (bias, corners, memory, alarm, change, jaws, effects, way)}
 ALL = {
     "bias": ("To which side estimates lie", 200, 20_000),
     "corners": ("Motors held at the corners of their range", 64, 20_000),
@@ -247,6 +287,7 @@ ALL = {
     "alarm": ("What rings, and what does not", 16, 20_000),
     "jaws": ("A jaw that the filter does not know", 16, 376_000),
     "effects": ("What the filter is not told, and the change", 16, 376_000),
+    "way": ("False beliefs on the way", 500, 20_000),
 }
 """Table -> its title, patients of a _row and first seed; those of ``docs/tables/honesty.md``."""
 

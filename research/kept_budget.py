@@ -57,7 +57,7 @@ def _played(entry: str, cohort: str, env_id: str, budget_s: float | None, patien
     agent = load_agent(entry, env_id=env_id)
     recording = jawenv.play(agent, patients=patients, seed=REPORTS[1].start, env_kwargs=arguments, env_id=env_id)
     sd, error = recording.belief_sd, recording.belief_mean[:, -1] - recording.truth
-    sure = np.minimum(time_to(sd, recording.time, _SURE, recording.valid), _SECONDS)
+    sure = np.minimum(time_to(sd, recording.time, _SURE, recording.counts), _SECONDS)
     solved = np.linalg.solve(recording.belief_cov[:, -1], error[..., None])[..., 0]
     return _Played(
         np.log(sd[:, -1].max(axis=1)),

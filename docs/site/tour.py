@@ -117,17 +117,19 @@ def drives_html(seconds: float, layout: str) -> tuple[str, dict[str, str]]:
         server.initial_camera.position = tuple(CAMERA)
         server.initial_camera.look_at = tuple(LOOK_AT)
         server.initial_camera.fov = float(np.radians(angle_deg))
-        recorded, stands = server.get_scene_serializer(), []
+        recorded, stands, settled = server.get_scene_serializer(), [], []
         for _ in range(round(seconds * setup.world.steps_per_s / EVERY)):
-            scenes = [[session.drive() for _ in range(EVERY)][-1].scene for session, _, _ in shown]
+            moments = [[session.drive() for _ in range(EVERY)][-1] for session, _, _ in shown]
+            scenes = [moment.scene for moment in moments]
             for scene, (_, jaw, bars) in zip(scenes, shown, strict=True):
                 jaw.show(scene)
                 bars.show(scene)
             stands.append([standing(scene.belief_mean, scene.belief_cov, scene.prior_sd).all() for scene in scenes])
+            settled.append([moment.settled for moment in moments])
             recorded.insert_sleep(EVERY / setup.world.steps_per_s)
         html = _as_the_reader_prefers(str(recorded.as_html()), seconds)
     times = np.arange(1, len(stands) + 1) * EVERY / setup.world.steps_per_s
-    clocks = map(clock, for_good(np.array(stands).T, times))
+    clocks = map(clock, for_good(np.array(stands).T, times, np.array(settled).T))
     return html, dict(zip(DRIVERS, clocks, strict=True))
 
 

@@ -150,6 +150,8 @@ _ALL = (
     Figure("nees", "NEES", narrow="NEES\ncalibrated: {parameters}"),
     Figure("nees_per_parameter", "NEES / p", 1.0, digits=2, computed=_per_parameter("nees")),
     Figure("nees_prior", "NEES of the prior"),
+    Figure("known_nees", "NEES when within 5 %", statistic="median"),
+    Figure("known_nees_p90", "NEES when within 5 %, p90", statistic="p90", column="known_nees"),
     *(Figure(f"inside_{n}_sigma", f"inside {n} sd, %", share, scale=100.0) for n, share in SIGMAS.items()),
     Figure("worst_sd", "worst sd, %", "lower", "median", 100.0, 2),
     Figure(

@@ -20,6 +20,7 @@ from eval.figures.catalogue import DIFFERENCE
 from eval.figures.statistics import Interval
 from eval.report import drawing
 from eval.report.first import firsts
+from eval.rows.outcomes import NEES_QUANTILES
 from jawenv.metrics import TARGETS
 
 Array = npt.NDArray[np.float64]
@@ -127,9 +128,15 @@ def nees(ranking: Ranking) -> Chart:
 
 
 def nees_over_time(study: Results, ranking: Ranking) -> Chart:
-    """Mean NEES of every entry over time, with the band of calibrated filters."""
-    traces = [_line(study, ranking, i, "nees", "NEES %{y:.1f}") for i in range(len(ranking.rows))]
-    chart = _over_time(traces, {"title": "mean NEES", "type": "log", **_nees_ticks(ranking)}, 380)
+    """NEES of every entry over time: mean, and of the first ones median and 90 %; with the calibrated band of means."""
+    traces = [_line(study, ranking, i, "nees", "mean NEES %{y:.1f}") for i in range(len(ranking.rows))]
+    for row in firsts(ranking):
+        for (quantity, share), dash in zip(NEES_QUANTILES.items(), ("dot", "dash"), strict=True):
+            name = f"NEES, {100.0 * share:.0f} % of the patients below, %{{y:.1f}}"
+            thin = _line(study, ranking, ranking.rows.index(row), quantity, name)
+            traces.append(thin | {"line": thin["line"] | {"dash": dash, "width": 1}})
+    title = "NEES: mean, median (dots), 90 % (dashes)"
+    chart = _over_time(traces, {"title": title, "type": "log", **_nees_ticks(ranking)}, 380)
     chart["layout"]["shapes"] = [_band(ranking, "y")]
     return chart
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from eval.comparison.admission import LARGEST_RINGING
+from eval.comparison.admission import FALSE_NEES, LARGEST_RINGING
 from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.figures import words
 from eval.figures.catalogue import reaches, time_to
@@ -66,8 +66,11 @@ def belief(ranking: Ranking) -> tuple[bool, str]:
     row = ranking.best or (ranking.ranked or ranking.rows)[0]
     nees, rings = words.with_interval(row["nees"]), words.percent(row["rings"].value, 0)
     low, high = map(words.number, ranking.band)
+    median, most = (words.number(row[name].value) for name in ("known_nees", "known_nees_p90"))
     because = (
-        f"the NEES of {words.label(row.entry)} is {nees}, calibrated error bars give {low} to {high}; the alarm rings "
+        f"the NEES of {words.label(row.entry)} is {nees}, calibrated error bars give {low} to {high}; when "
+        f"{ranking.sought} are first within 5 % it is {median} in half of the patients, {most} in nine of ten, "
+        f"allowed {words.number(FALSE_NEES * ranking.n_parameters)}; the alarm rings "
         f"in {rings} % of the episodes, allowed are {words.percent(LARGEST_RINGING, 0)} %."
     )
     return ranking.believes(row), because

@@ -2,7 +2,8 @@
 
 A row has patient's ``seed``, every metric of `jawenv.metrics.Score` at the end of the episode, with `truth/`, `error/`,
 `sd/` and `bound_sd/` of every parameter, `used/` (largest used fraction) and `beyond/..._s` (time beyond it) of every
-soft comfort limit, `EARLY_METRICS` after `EARLY_S`, and in `over_time/...` a value for each of some times: `time_s`,
+soft comfort limit, `EARLY_METRICS` after `EARLY_S`, ``known_nees`` (NEES when all are first within `KNOWN`, at the end
+where they never are), and in `over_time/...` a value for each of some times: `time_s`,
 sd and bound of every parameter, NEES and information. All sd are of natural logs: 0.05 is 5 %.
 """
 
@@ -55,7 +56,9 @@ PATIENT_METRICS = (
 )
 OVER_TIME = "over_time/"
 MOMENTS = 60
+KNOWN = 0.05
 _MEANS = ("nees", "information_claimed", "information_true")
+NEES_QUANTILES = {"nees_median": 0.5, "nees_p90": 0.9}
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,7 @@ def outcomes_of(recording: Recording, seed: int) -> pd.DataFrame:
     columns |= _early(recording)
     columns |= _use_of_limits(recording)
     columns |= {f"time_to_{target:g}_s": seconds for target, seconds in judged.time_to_s.items()}
-    columns |= {"verdicts_s": _verdicts_s(recording)}
+    columns |= {"verdicts_s": _verdicts_s(recording), "known_nees": _known_nees(recording, judged.time_to_s[KNOWN])}
     columns |= {f"inside_{sigmas}_sigma": share for sigmas, share in judged.inside.items()}
     kinds = {"truth": recording.truth, "error": judged.error, "sd": judged.sd, "bound_sd": judged.bound_sd}
     for kind, values in kinds.items():
@@ -99,7 +102,13 @@ def _verdicts_s(recording: Recording) -> Array:
     if whole_muscles_per_line(recording.parameter_names) != 1.0:
         return np.full(recording.num_worlds, np.nan)
     stands = standing(recording.belief_mean, recording.belief_cov, recording.prior_sd).all(axis=-1)
-    return for_good(stands & recording.valid, recording.time)
+    return for_good(stands & recording.valid, recording.time, recording.counts)
+
+
+def _known_nees(recording: Recording, known_s: Array) -> Array:
+    """NEES (N,) when all parameters are first known."""
+    at = np.arange(recording.num_worlds), np.minimum(np.searchsorted(recording.time, known_s), recording.last)
+    return nees(recording.belief_mean[at] - recording.truth, recording.belief_cov[at])
 
 
 def _use_of_limits(recording: Recording) -> dict[str, Array]:
@@ -154,15 +163,17 @@ def curves(rows: pd.DataFrame) -> pd.DataFrame:
     Returns:
         One row per quantity and time: time_s, quantity, and over the patients `low` (10 %), `centre` (median) and
         `high` (90 %); `bound` is the median of the posterior Cramer-Rao bound. Quantities are `sd/<parameter>`,
-        `worst_sd`, and as means (no low, high or bound) `nees`, `information_claimed` and `information_true`.
+        `worst_sd`, and with a centre alone the means `nees`, `information_claimed` and `information_true`, and
+        `NEES_QUANTILES`.
     """
     names = [column.removeprefix("sd/") for column in map(str, rows) if column.startswith("sd/")]
     sd, bound = (np.stack([_stacked(rows, f"{kind}/{name}") for name in names], axis=-1) for kind in ("sd", "bound_sd"))
     tables = [_quantiles(f"sd/{name}", sd[..., i], bound[..., i]) for i, name in enumerate(names)]
     tables.append(_quantiles("worst_sd", worst_sd(sd), worst_sd(bound)))
     nothing = np.full(sd.shape[1], np.nan)
-    for quantity in _MEANS:
-        centre = _stacked(rows, quantity).mean(axis=0)
+    centres = {quantity: _stacked(rows, quantity).mean(axis=0) for quantity in _MEANS}
+    centres |= {name: np.quantile(_stacked(rows, "nees"), q, axis=0) for name, q in NEES_QUANTILES.items()}
+    for quantity, centre in centres.items():
         columns = {"low": nothing, "centre": centre, "high": nothing, "bound": nothing}
         tables.append(pd.DataFrame({"quantity": quantity, **columns}))
     time = _stacked(rows, "time_s")[0]

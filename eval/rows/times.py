@@ -84,7 +84,7 @@ class Times(Rows):
 
         for level, column in zip(LEVELS, _FOUND, strict=True):
             rows[column] = found(level)
-        claimed = time_to(recording.of_asked(recording.belief_sd), recording.time, self.within, recording.valid)
+        claimed = time_to(recording.of_asked(recording.belief_sd), recording.time, self.within, recording.counts)
         rows["claimed_s"] = restricted(claimed, self.episode_s)
         rows["completed"] = completed(recording)
         rows["score_s"] = restricted(found(self.within), self.episode_s)

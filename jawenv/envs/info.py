@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.device.device import TICK
+from jawenv.filter.settled import settled
 
 _COST_KEYS = tuple(f"cost_{name}" for name in COMFORT_LIMITS)
 _COMFORT_KEYS = tuple(f"comfort_{name}" for name in COMFORT_LIMITS)
@@ -24,10 +25,11 @@ class WorldReader:
     ``governor`` (share of the step in which it acted); ``left_out`` (share of the step's readings that were missing or
     frozen, and not used); ``gated`` (share of the step's ticks whose readings the filter's gate has refused to learn
     from); ``misfit`` (the alarm: above 1 no parameters explain what was read, or the belief moves by more than it
-    claims, see ``filter.alarm.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s); ``episode_key`` (2,
-    int64: of the episode's patient and random numbers, with which ``reset`` begins it again); ``asked`` (6, bool:
-    which muscles are asked for; only with the argument ``asked``); ``spent`` (share of the budget of discomfort, as the
-    device takes it to be; only with ``comfort_budget_s``).
+    claims, see ``filter.alarm.misfit``); ``learnt_s`` (s of readings that teach something, off the teeth); ``settled``
+    (bool: the belief may be acted on, see ``filter.settled``); ``jaw_state`` (10: true q, u); ``time`` (s);
+    ``episode_key`` (2, int64: of the episode's patient and random numbers, with which ``reset`` begins it again);
+    ``asked`` (6, bool: which muscles are asked for; only with the argument ``asked``); ``spent`` (share of the budget
+    of discomfort, as the device takes it to be; only with ``comfort_budget_s``).
 
     A light info has ``belief_mean``, ``belief_sd``, ``truth``, ``cost``, ``violation``, ``misfit``, ``time``,
     ``episode_key``, ``asked``, ``spent`` and the bound's keys alone.
@@ -39,6 +41,7 @@ class WorldReader:
         light: whether the info is light.
         asked: (N, M) of the muscles, likewise; None where all are.
         budget: whether a budget of discomfort is kept.
+        own: whether beliefs are those of estimators of the user's, which count as settled.
     """
 
     def __init__(
@@ -49,10 +52,11 @@ class WorldReader:
         light: bool = False,
         asked: NDArray[np.bool_] | None = None,
         budget: bool = False,
+        own: bool = False,
     ) -> None:
         """Make the views."""
-        self._arguments = worlds, keys, with_bound, light, asked, budget
-        self._asked = asked
+        self._arguments = worlds, keys, with_bound, light, asked, budget, own
+        self._asked, self._own = asked, own
         self._budget = worlds["known"]["tracker"]["budget"] if budget else None
         self._keys, self._bounded, self._light = keys, with_bound, light
         truth, known = worlds["truth"], worlds["known"]
@@ -64,7 +68,8 @@ class WorldReader:
         self._score_prior, self._score, self._nees = truth["log_score_prior"], truth["log_score"], truth["nees"]
         self._violated, self._governor = truth["violated"], truth["governor"]
         self._tick, self._left_out, self._gated = known["tick"], known["left_out"], known["gated"]
-        self._misfit = known["belief"]["misfit"]
+        self._misfit, self._readings = known["belief"]["misfit"], known["belief"]["readings"]
+        self._replayed_at = known["belief"]["replayed_at"]
         first_parameter = -1 - self._mean.shape[1]
         self._bound_variance = np.diagonal(truth["bound"], axis1=1, axis2=2)[:, first_parameter:-1]
         self._variance = np.diagonal(self._covariance, axis1=1, axis2=2)
@@ -107,6 +112,8 @@ class WorldReader:
             "governor": self._governor.item(0),
             "left_out": self._left_out.item(0),
             "gated": self._gated.item(0),
+            "learnt_s": self._readings.item(0) * TICK,
+            "settled": bool(self._settled(slice(0, 1))[0]),
             "jaw_state": state.copy(),
         }
         info.update(zip(_COST_KEYS, costs.tolist(), strict=True))
@@ -142,11 +149,20 @@ class WorldReader:
             "governor": self._governor.copy(),
             "left_out": self._left_out.copy(),
             "gated": self._gated.copy(),
+            "learnt_s": self._readings * TICK,
+            "settled": self._settled(slice(None)),
             "jaw_state": self._state.copy(),
         }
         info.update(zip(_COST_KEYS, self._costs.T.copy(), strict=True))
         info.update(zip(_COMFORT_KEYS, self._fractions.T.copy(), strict=True))
         return info
+
+    def _settled(self, rows: slice) -> NDArray[np.bool_]:
+        """Whether the beliefs of some worlds are settled."""
+        if self._own:
+            return np.ones(len(self._readings[rows]), dtype=np.bool_)
+        mean, at, variance = self._mean[rows], self._replayed_at[rows], self._variance[rows]
+        return settled(mean - at, np.sqrt(variance), self._readings[rows] * TICK)
 
 
 def with_masks(info: dict[str, Any], mask: NDArray[np.bool_]) -> dict[str, Any]:

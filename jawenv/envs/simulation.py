@@ -97,7 +97,8 @@ class Simulation:
         """(N, 2) of all random numbers of the present episodes."""
         asked = None if configuration.asked is None else self.asked
         light, budget = configuration.info == "light", configuration.comfort_budget_s is not None
-        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, light, asked, budget)
+        own = configuration.own_estimator is not None
+        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, light, asked, budget, own)
         self.own_estimators = None if configuration.own_estimator is None else self._own_estimators()
         """The user's estimators, where they are in the place of the device's filter."""
 

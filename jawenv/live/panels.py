@@ -159,7 +159,7 @@ def status_html(shown: Shown, remark: str = "") -> str:
             f"<span data-worst='{worst}'>{worst} %</span>",
             f"driven by {escape(shown.driver)}",
         ),
-        ("all within 10 %", _seconds(outcome.time_to_s[0]), _verdicts(scene)),
+        ("all within 10 %", _seconds(outcome.time_to_s[0]), _verdicts(shown)),
         ("all within 5 %", _seconds(outcome.time_to_s[1]), ""),
         ("discomfort", discomfort, below),
         ("opening", f"{scene.opening_mm:.1f} mm", ""),
@@ -177,11 +177,12 @@ def status_html(shown: Shown, remark: str = "") -> str:
     return f"<div id='status' style='{_CARD}'><div style='{grid}'>{cells}</div>{below}</div>"
 
 
-def _verdicts(scene: Scene) -> str:
+def _verdicts(shown: Shown) -> str:
     """Number of the muscles on which the data have a verdict; empty where lines are no whole muscles."""
+    scene = shown.scene
     if whole_muscles_per_line(scene.parameter_names) != 1.0:
         return ""
-    stands = standing(scene.belief_mean, scene.belief_cov, scene.prior_sd)
+    stands = shown.settled & standing(scene.belief_mean, scene.belief_cov, scene.prior_sd)
     return f"{stands.sum()} of {len(stands)} verdicts stand"
 
 

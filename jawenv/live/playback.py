@@ -51,7 +51,7 @@ class Playback:
         reached = DriveOutcome(self._name, (ten, five), float(sds[-1].max()), 0.0, time, False)
         last = index == len(self) - 1
         why = "the recording is over" if last else ""
-        return Shown(self._scene(index), np.zeros(4), self._name, reached, 0.0, (), last, why)
+        return Shown(self._scene(index), np.zeros(4), self._name, reached, 0.0, True, (), last, why)
 
     def _scene(self, index: int) -> Scene:
         record, tick = self._record, index * self._every

@@ -44,6 +44,7 @@ class Shown:
     driver: str  # who drove: ``you``, or the name of a maneuver
     outcome: DriveOutcome  # what has been reached so far
     misfit: float  # the filter's alarm, above 1 where nothing that it could believe explains the readings
+    settled: bool  # whether the belief may be acted on
     spent_on: tuple[str, ...]  # comfort limits that cost a tenth or more of the discomfort so far, the dearest first
     ended: bool  # whether the episode is over
     why: str  # why it ended; empty while it goes on
@@ -86,7 +87,7 @@ class DriveSession:
         self._costs_s = np.zeros(len(COMFORT_LIMITS))
         self._violated, self._ended, self._why = False, False, ""
         self._drivers: set[str] = set()
-        self._misfit = 0.0
+        self._misfit, self._settled = 0.0, False
         return self.shown()
 
     def hand_over(self, name: str) -> None:
@@ -149,7 +150,7 @@ class DriveSession:
         self._discomfort_s += info["cost"] / self.setup.world.steps_per_s
         self._costs_s += self._env.simulation.worlds["truth"]["costs"][0] / self.setup.world.steps_per_s
         self._violated |= bool(info["violation"])
-        self._misfit = float(info["misfit"])
+        self._misfit, self._settled = float(info["misfit"]), bool(info["settled"])
         self._drivers.add(self.driver)
         self._ended = bool(terminated or truncated)
         if terminated:
@@ -166,6 +167,7 @@ class DriveSession:
             self.driver,
             self.outcome(),
             self._misfit,
+            self._settled,
             self._spent_on(),
             self._ended,
             self._why,
@@ -188,7 +190,7 @@ class DriveSession:
         """Keep the worst sd, and when it was first small enough."""
         self._worst_sd = float(info["belief_sd"].max())
         for threshold, reached in self._reached.items():
-            if self._worst_sd <= threshold and np.isinf(reached):
+            if self._worst_sd <= threshold and np.isinf(reached) and info["settled"]:
                 self._reached[threshold] = self._time_s
 
     def _name(self) -> str:

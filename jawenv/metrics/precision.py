@@ -26,14 +26,14 @@ def worst_sd(sd: Array) -> Array:
     return worst
 
 
-def time_to(sd: Array, time: Array, threshold: float, valid: npt.NDArray[np.bool_] | None = None) -> Array:
-    """First time at which no parameter's standard deviation is above a threshold.
+def time_to(sd: Array, time: Array, threshold: float, counts: npt.NDArray[np.bool_] | None = None) -> Array:
+    """First time at which no parameter's standard deviation is above a threshold, and the belief counts.
 
     Args:
         sd: (N, T, P) standard deviations over time.
         time: (T,) in s.
         threshold: of the worst standard deviation, > 0 (0.1 is 10 %).
-        valid: (N, T) which times count; all by default.
+        counts: (N, T) at which times a belief counts, as `Recording.counts`; at all by default.
 
     Returns:
         (N,) in s; infinite where it never happened.
@@ -41,25 +41,27 @@ def time_to(sd: Array, time: Array, threshold: float, valid: npt.NDArray[np.bool
     if not threshold > 0.0:
         raise InputError(f"threshold is {threshold}; allowed: a value above 0")
     reached = worst_sd(sd) <= threshold
-    if valid is not None:
-        reached = reached & valid
+    if counts is not None:
+        reached = reached & counts
     first = np.argmax(reached, axis=-1)
     return np.where(reached.any(axis=-1), time[first], np.inf)
 
 
-def for_good(holds: npt.NDArray[np.bool_], time: Array) -> Array:
-    """First time from which on something holds to the end.
+def for_good(holds: npt.NDArray[np.bool_], time: Array, counts: npt.NDArray[np.bool_] | None = None) -> Array:
+    """First time at which a belief counts and from which on something holds to the end.
 
     Args:
         holds: (N, T) whether it does.
         time: (T,) in s.
+        counts: (N, T) at which times a belief counts, as `Recording.counts`; at all by default.
 
     Returns:
         (N,) in s; infinite where it does not hold at the end.
     """
-    first = holds.shape[1] - np.argmin(holds[:, ::-1], axis=1)  # the step after the last one at which it does not
-    first = np.where(holds.all(axis=1), 0, first)
-    return np.where(holds[:, -1], time[np.minimum(first, len(time) - 1)], np.inf)
+    reached = np.logical_and.accumulate(holds[:, ::-1], axis=1)[:, ::-1]
+    if counts is not None:
+        reached = reached & counts
+    return np.where(reached.any(axis=1), time[np.argmax(reached, axis=1)], np.inf)
 
 
 def identified(mean: Array, sd: Array, truth: Array, sd_limit: float = 0.10) -> npt.NDArray[np.bool_]:

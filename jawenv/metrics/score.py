@@ -201,7 +201,7 @@ def score(
         bound_sd=bound_sd,
         worst_sd=worst_sd(recording.of_asked(sd)),
         worst_bound_sd=worst_sd(recording.of_asked(bound_sd)),
-        time_to_s={target: time_to(over_time, recording.time, target, recording.valid) for target in targets},
+        time_to_s={target: time_to(over_time, recording.time, target, recording.counts) for target in targets},
         information_claimed=claimed_information(cov, recording.prior_sd),
         information_true=true_information(truth, mean, cov, recording.prior_mean, recording.prior_sd),
         information_bound=recording.at_end(recording.information_bound),

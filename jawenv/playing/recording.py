@@ -33,6 +33,7 @@ _SHAPES: dict[str, tuple[str, ...]] = {
     "governor": ("N", "T"),
     "violation": ("N", "T"),
     "misfit": ("N", "T"),
+    "settled": ("N", "T"),
     "valid": ("N", "T"),
     "terminated": ("N",),
     "asked": ("N", "P"),
@@ -63,6 +64,7 @@ class Recording:
     governor: Array  # (N, T+1) share of the device ticks of that step in which the governor acted
     violation: Mask  # (N, T+1) bool, a hard limit was crossed in that step
     misfit: Array  # (N, T+1) the filter's alarm, judged anew where readings are filtered again; it rings above 1
+    settled: Mask  # (N, T+1) bool, the belief may be acted on, see `info["settled"]`
     valid: Mask  # (N, T+1) bool, False after the episode has ended
     terminated: Mask  # (N,) bool, the episode ended before its time limit
     asked: Mask  # (N, P) bool, the parameters of the muscles that are asked for: all by default
@@ -102,6 +104,11 @@ class Recording:
     def num_worlds(self) -> int:
         """N, the number of episodes."""
         return len(self.truth)
+
+    @property
+    def counts(self) -> Mask:
+        """(N, T+1) when a belief counts where the question is whether something is known: settled, and not ended."""
+        return self.settled & self.valid
 
     @property
     def last(self) -> npt.NDArray[np.intp]:

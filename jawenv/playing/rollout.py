@@ -43,6 +43,7 @@ _TRACKED = (
     "governor",
     "violation",
     "misfit",
+    "settled",
 )
 _ZERO_AFTER_THE_END = {"cost", "governor"}
 
@@ -210,6 +211,7 @@ def _watch(
         prior_mean=np.array(prior.mean, dtype=np.float64),
         prior_sd=np.array(prior.sd, dtype=np.float64),
         violation=arrays.pop("violation").astype(bool),
+        settled=arrays.pop("settled").astype(bool),
         valid=valid[:, : step + 1],
         terminated=terminated,
         asked=np.repeat(info["asked"], 2, axis=1) if "asked" in info else np.ones(info["truth"].shape, dtype=bool),

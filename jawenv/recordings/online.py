@@ -16,6 +16,7 @@ from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, fil
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.settled import settled
 from jawenv.filter.tick import (
     LAST_WINDOW,
     ROW,
@@ -51,6 +52,7 @@ class OnlineBelief:
     gated: int  # ticks so far whose readings were refused
     left_out: int  # readings of this tick that were missing, out of range or frozen
     learnt: int  # ticks so far from which something was learnt: at the teeth nothing is
+    settled: bool  # whether the belief may be acted on, see ``jawenv.filter.settled``
 
     @property
     def log_sd(self) -> Array:
@@ -264,6 +266,7 @@ class OnlineFilter:
     def _present_belief(self, left_out: int) -> OnlineBelief:
         """A copy of the present belief."""
         belief = self._belief
+        moved, sd = belief["mean"] - belief["replayed_at"], np.sqrt(np.diagonal(belief["cov"]))
         return OnlineBelief(
             self.names,
             self._tick * self.tick_s,
@@ -273,6 +276,7 @@ class OnlineFilter:
             int(belief["gated"]),
             left_out,
             int(belief["readings"]),
+            bool(settled(moved, sd, belief["readings"] * self.tick_s)),
         )
 
 

@@ -81,7 +81,8 @@ def test_panels_say_what_is_known_and_used(shown):
     unknown = replace(scene, belief_cov=np.diag(scene.prior_sd**2))
     known = replace(scene, belief_mean=np.full(12, 5.0), belief_cov=1e-4 * np.eye(12))
     assert "0 of 6 verdicts stand" in panels.status_html(replace(shown, scene=unknown))
-    assert "6 of 6 verdicts stand" in panels.status_html(replace(shown, scene=known))
+    assert "6 of 6 verdicts stand" in panels.status_html(replace(shown, scene=known, settled=True))
+    assert "0 of 6 verdicts stand" in panels.status_html(replace(shown, scene=known, settled=False))
     score = panels.score_html([shown.outcome], ["runs/live/my_drive_1.yaml"])
     assert "saved: runs/live/my_drive_1.yaml" in score and "–" in score
 

@@ -66,6 +66,7 @@ def linear_gaussian(
         governor=np.full(shape, 0.25),
         violation=np.zeros(shape, dtype=bool),
         misfit=np.full(shape, 0.5),
+        settled=np.ones(shape, dtype=bool),
         valid=np.ones(shape, dtype=bool),
         terminated=np.zeros(patients, dtype=bool),
         asked=np.ones(truth.shape, dtype=bool),

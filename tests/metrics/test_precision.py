@@ -22,10 +22,10 @@ def test_time_to_is_the_first_time_of_the_worst_parameter():
     assert time_to(sd, time, 0.5).tolist() == [0.0, 0.0]
 
 
-def test_time_to_ignores_times_after_the_episode():
-    sd = np.array([[[0.5], [0.3], [0.1]]])
-    valid = np.array([[True, True, False]])
-    assert time_to(sd, np.arange(3.0), 0.1, valid).tolist() == [np.inf]
+def test_time_to_ignores_times_that_do_not_count():
+    sd = np.array([[[0.1], [0.3], [0.1]], [[0.1], [0.1], [0.1]]])
+    counts = np.array([[False, True, False], [False, True, True]])
+    assert time_to(sd, np.arange(3.0), 0.1, counts).tolist() == [np.inf, 1.0]
 
 
 def test_identified_needs_a_small_sd_and_the_truth_inside():

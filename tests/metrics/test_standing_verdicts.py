@@ -36,3 +36,9 @@ def test_many_beliefs_at_once_are_judged_like_one():
 def test_for_good_is_after_the_last_change():
     holds = np.array([[1, 1, 1], [0, 1, 1], [1, 0, 1], [1, 1, 0], [0, 0, 0]], dtype=bool)
     assert for_good(holds, np.array([0.0, 1.0, 2.0])).tolist() == [0.0, 1.0, 2.0, np.inf, np.inf]
+
+
+def test_for_good_counts_from_a_belief_that_counts():
+    holds = np.array([[False, True, True], [True, True, True], [True, True, True]])
+    counts = np.array([[True, False, True], [False, True, False], [False, False, False]])
+    assert for_good(holds, np.arange(3.0), counts).tolist() == [2.0, 1.0, np.inf]

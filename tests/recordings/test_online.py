@@ -180,7 +180,7 @@ def test_5000_updates_take_no_memory():
 def test_a_belief_in_units_of_the_parameters():
     """Mean and sd of lognormal distributions, as SciPy has them."""
     cov = np.array([[0.09, 0.02], [0.02, 0.25]])
-    belief = OnlineBelief(("log_F_o/a", "log_b/a"), 0.0, np.log([2.0, 7.0]), cov, 0.0, 0, 0, 0)
+    belief = OnlineBelief(("log_F_o/a", "log_b/a"), 0.0, np.log([2.0, 7.0]), cov, 0.0, 0, 0, 0, False)
     expected = lognorm(s=[0.3, 0.5], scale=[2.0, 7.0])
     np.testing.assert_allclose(belief.log_sd, [0.3, 0.5])
     np.testing.assert_allclose(belief.mean, expected.mean())
