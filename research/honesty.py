@@ -264,7 +264,7 @@ def way(arguments):
 
 
 def _on_the_way(played):
-    """Which beliefs (N, T) are false, which are settled, and s (N,) by which settled ones are within 5 % later."""
+    """Masks (N, T) of false and of settled beliefs, and s (N,) by which settled ones are within 5 % later."""
     error = played.belief_mean - played.truth[:, None]
     solved = np.linalg.solve(played.belief_cov, error[..., None])[..., 0]
     false = (np.mean(error * solved, axis=-1) > LOST) & played.valid

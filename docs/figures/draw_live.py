@@ -30,17 +30,10 @@ FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader
 
 
 def driven(page: Page) -> None:
-    """Drive an episode to its end, and answer with all but the last muscle right."""
+    """Drive an episode to its end."""
     page._start()
     while not page.session.ended:
         page.step()
-    scene = page._shown.scene
-    page._question.follow(page._shown)
-    truth = dict(zip(scene.parameter_names, scene.truth, strict=True))
-    for box, muscle in zip(page._question._boxes, scene.muscles, strict=True):
-        stiff = truth[f"log_F_o/{muscle}"] > 0.53  # log of 1.7 N
-        box.value = bool(stiff) != (muscle == scene.muscles[-1])
-    page._question._take()
 
 
 def main() -> None:
@@ -57,7 +50,7 @@ def main() -> None:
             viewport={"width": WIDTH, "height": HEIGHT}, color_scheme="light"
         )
         tab.goto(url_of(server))
-        tab.wait_for_selector("#answer", timeout=60_000)
+        tab.wait_for_selector("#score", timeout=60_000)
         tab.locator(".mantine-Notification-closeButton").first.click()  # it draws without a graphics card
         tab.wait_for_timeout(WAIT_MS)
         picture = Image.open(io.BytesIO(tab.screenshot())).convert("RGB")

@@ -82,7 +82,7 @@ def page() -> str:
         f"One patient of the cohort `trismus`, moved by each maneuver: {SHOWN_S:g} s, at twice their speed. The "
         "bluer a muscle, the better it is known. Below each film are the targets over time, and what "
         f"{_patients()} patients gave ([all figures](tables.md#headline)). "
-        "`jawenv play NAME` shows one in a window, `jawenv live --driver NAME` "
+        "`python -m eval play NAME` shows one in a window, `jawenv live --driver NAME` "
         f"lets you take over.\n\n{_banner()}"
         f'<div class="gallery">\n{cards}\n</div>\n\n'
         "How to write one of your own: [maneuvers](agents/README.md#write-a-maneuver).\n"

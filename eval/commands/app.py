@@ -96,11 +96,9 @@ COMMANDS: dict[str, Callable[..., None] | str] = {
     "replay": "eval.commands.comparison",
     "calibrate": "eval.commands.calibration",
     "benchmark": "eval.commands.benchmark",
-    "live": "eval.commands.live",
     "play": _play_command,
     "study": _study_command,
     "patient": "eval.commands.patient",
-    "diagnose": "eval.commands.patient",
 }
 """What runs a command, or the module that has it."""
 

@@ -1,4 +1,4 @@
-"""The commands ``python -m eval patient`` and ``diagnose``."""
+"""The command ``python -m eval patient``."""
 
 from __future__ import annotations
 
@@ -10,9 +10,6 @@ import typer
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from eval.figures import words
-from jawenv.base.errors import InputError
-from jawenv.base.files import write_text
 from jawenv.base.seeds import REPORTS
 from jawenv.ladder import DEFAULT_ENV, env_id_of
 
@@ -79,44 +76,6 @@ def _patient_command(
         verdict_words = {name: verdict.word for name, verdict in zip(MUSCLE_NAMES, now, strict=True)}
         console.print(f"{written}: {page.headline(verdict_words)}", soft_wrap=True)
     console.print(f"verdicts: {output / 'verdicts.parquet'}", soft_wrap=True)
-
-
-@options.takes_world()
-@options.takes_together
-def _diagnose_command(
-    world: dict[str, Any],
-    entries: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help="Names, maneuver files or training runs."),
-    ] = None,
-    played: options.Played = options.Played(Path("runs/diagnose"), 200),
-) -> None:
-    """Say how often the verdicts of one treatment are right, over a cohort: sensitivity, specificity, and both errors.
-
-    Writes diagnosis.md, diagnosis.parquet, and the tables of ``compare``. Ctrl-C keeps the entries that are finished:
-    the same command goes on from there.
-    """
-    from eval.comparison.results import compare
-    from eval.kept.entries import Settings, env_of_runs, load_entries
-    from eval.kept.tables import write_table
-    from eval.patient import accuracy
-
-    specs, output = entries or [], played.output
-    if not specs:
-        raise InputError("entries is none; allowed: a maneuver or a training run, or several")
-    settings = Settings.of(played.patients, played.seed, **{"env": env_of_runs(specs), "cohort": "one_sided"} | world)
-    loaded, console = load_entries(specs, settings.world, trust=played.trust), terminal()
-    study = compare(loaded, settings, output, command=typed(), fresh=played.fresh, console=console)
-    table = accuracy.accuracy(study)
-    write_table(table, output / "diagnosis.parquet", study.about)
-    asked = settings.world
-    lead = (
-        f"`{typed()}`: {played.patients} patients of the cohort {words.label(asked.build_cohort().name)}, "
-        f"seeds {played.seed} to {played.seed + played.patients - 1}, {asked.episode_s:g} s, {asked.control} control."
-    )
-    write_text(output / "diagnosis.md", accuracy.markdown(table, lead))
-    accuracy.show(table, console)
-    console.print(f"table:   {output / 'diagnosis.md'}\nresults: {output / 'diagnosis.parquet'}", soft_wrap=True)
 
 
 def as_a_clinic(world: dict[str, Any]) -> dict[str, Any]:

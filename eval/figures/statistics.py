@@ -191,29 +191,6 @@ def share(hits: Sequence[bool] | npt.NDArray[np.bool_]) -> Interval:
     return share_of(int(hits.sum()), len(hits)) if len(hits) else UNKNOWN
 
 
-def share_of_muscles(hits: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_]) -> Interval:
-    """Share of hits among muscles of several patients, with dependent muscles of one patient.
-
-    The interval is a bootstrap over the patients. Where all or none are hits a bootstrap has no width: then it is that
-    of Wilson for as many trials as patients.
-
-    Args:
-        hits: (N, M) of N patients.
-        among: (N, M) which muscles count.
-    """
-    counts = np.column_stack([(hits & among).sum(axis=1), among.sum(axis=1)]).astype(np.float64)
-    counts = counts[counts[:, 1] > 0.0]
-    total = counts.sum(axis=0)
-    if total[0] in (0.0, total[1]):
-        return share(np.full(len(counts), total[0] > 0.0))
-
-    def statistic(x: Array) -> Array:
-        ratio: Array = x[..., 0].sum(axis=-1) / x[..., 1].sum(axis=-1)
-        return ratio
-
-    return _over_patients(statistic, counts, "percentile")
-
-
 def better(values: Array, reference: Array, *, higher: bool) -> Array:
     """Whether a value is better than the reference's on the same patient: 1, or 0, or 1/2 where they are equal.
 

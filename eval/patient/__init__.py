@@ -1,1 +1,1 @@
-"""``python -m eval patient`` and ``diagnose``: verdicts on a patient after treatments, and how often they are right."""
+"""``python -m eval patient``: verdicts on a patient after treatments."""

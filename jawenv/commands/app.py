@@ -1,4 +1,4 @@
-"""The command line ``jawenv``: ``live``, ``play``, ``score``, ``identify``, ``import`` and ``list``."""
+"""The command line ``jawenv``: ``live``, ``score``, ``identify``, ``import`` and ``list``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jawenv.commands.running import command_line, run
 app = command_line("Drive a simulated jaw, play and score maneuvers, identify muscles from a recording.")
 
 
-OPENS_WITH = {"cohort": "one_sided"}  # the first level of the game
+OPENS_WITH = {"cohort": "one_sided"}  # whose stiff side pulls the jaw aside: there is something to see
 
 
 @app.command("live")
@@ -26,7 +26,7 @@ def _live_command(
     ] = None,
     port: Annotated[int, typer.Option(help="Of the page on this machine; 0 takes a free one.", metavar="N")] = 8090,
     driver: Annotated[
-        str, typer.Option(help="Who drives at first: you, a maneuver or a maneuver file.", metavar="NAME")
+        str, typer.Option(help="Who drives at first: you, a maneuver, a policy, or its file or folder.", metavar="NAME")
     ] = "you",
     seed: options.Seed = REPORTS[0].start,
     output: Annotated[Path, typer.Option(help="Folder where drives are saved.", metavar="FOLDER")] = Path("runs/live"),
@@ -47,15 +47,6 @@ def _live_command(
             output,
             open_browser,
         )
-
-
-@app.command("play")
-@options.takes_world()
-def _play_command(maneuver: options.Maneuver, world: dict[str, Any], seed: options.Seed = REPORTS[0].start) -> None:
-    """Show one episode of a maneuver or a policy in a window, and say what was reached."""
-    from jawenv.commands.maneuvers import play, world_for
-
-    play(maneuver, seed, world_for(maneuver, world))
 
 
 @app.command("score")

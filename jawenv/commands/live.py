@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import signal
 import webbrowser
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
 from jawenv.live.server import serving, url_of
 from jawenv.live.setup import Setup
-from jawenv.playing.agents import Agent
+from jawenv.playing.policies.card import policy_folder, policy_names
+from jawenv.playing.policies.plain import load_plain
 
 
 class _Page(Protocol):
@@ -25,17 +25,15 @@ def drive(
     port: int,
     folder: Path,
     open_browser: bool,
-    agents: Mapping[str, Agent] | None = None,
 ) -> None:
     """Show a page on which a patient is driven, until Ctrl-C.
 
     Args:
         setup: whom, and how.
-        driver: who drives at first.
+        driver: who drives at first; an exported policy by its folder.
         port: of the page.
         folder: where drives are saved.
         open_browser: whether to open a browser.
-        agents: who may drive beside the maneuvers, by name.
 
     Raises:
         InputError: a setting is refused, or the port is taken.
@@ -43,6 +41,8 @@ def drive(
     """
     from jawenv.live.page import Page
 
+    exported = None if driver in policy_names() else policy_folder(driver)
+    agents = {} if exported is None else {driver: load_plain(exported, setup.world.env_id)}
     with serving(port) as server:
         _show(Page(server, setup, folder, driver, agents), server, open_browser)
 

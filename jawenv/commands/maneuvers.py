@@ -1,4 +1,4 @@
-"""The commands ``jawenv score`` and ``jawenv play``, of a maneuver or another agent that comes with jawenv."""
+"""The command ``jawenv score``, of a maneuver or another agent that comes with jawenv."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from jawenv.base.errors import not_among
 from jawenv.envs.configuration import Configuration
 from jawenv.metrics import score
-from jawenv.playing.agents import Agent, introduce
+from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import policy_folder, read_card
 from jawenv.playing.policies.named import agent_names, named_agent
-from jawenv.playing.rollout import play as play_on
+from jawenv.playing.rollout import play
 
 
 def _agent_of(spec: str, world: Configuration) -> Agent:
@@ -42,7 +42,7 @@ def world_for(spec: str, asked: Mapping[str, Any]) -> Configuration:
 def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -> None:
     """Play an agent on patients, and print what it found out."""
     player, env_id = _agent_of(maneuver, world), world.env_id
-    reached = score(play_on(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
+    reached = score(play(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
     medians = (np.median(values, axis=0) for values in (reached.sd, np.abs(reached.error), reached.bound_sd))
     cohort = world.build_cohort().name
     print(f"{player.name} in {env_id} on {patients} patients of {cohort}, {world.episode_s:g} s; medians over them\n")
@@ -63,31 +63,3 @@ def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -
         print(f"alarm: {reached.alarm}; do not trust their beliefs")
     if not world.build_knowledge().exact:
         print("the bound is that of a filter that knows the anatomy")
-
-
-def play(maneuver: str, seed: int, world: Configuration) -> None:
-    """Show one episode in a window.
-
-    Raises:
-        InputError: an unknown agent, no display, or what the environment refuses.
-        MissingPackageError: pygame is not installed.
-    """
-    import gymnasium as gym
-
-    import jawenv.envs.registration  # noqa: F401  (the ids)
-    from jawenv.base.display import check_display
-
-    player = _agent_of(maneuver, world)
-    check_display("a window", "use `jawenv live --driver NAME`, which shows it in a browser")
-    env = gym.make(world.env_id, render_mode="human", **world.arguments)
-    try:
-        observation, info = env.reset(seed=seed)
-        introduce(player, env)
-        ended = False
-        while not ended:
-            action, _ = player.predict(observation)
-            observation, _, terminated, truncated, info = env.step(action)
-            ended = terminated or truncated
-    finally:
-        env.close()
-    print(f"{player.name}: worst sd {info['belief_sd'].max():.1%} after {info['time']:.1f} s")

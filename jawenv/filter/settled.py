@@ -1,4 +1,4 @@
-"""Settled beliefs: those that no replay of the readings is about to move."""
+"""Beliefs that may be acted on: no replay of the readings is about to move them."""
 
 from __future__ import annotations
 

@@ -154,8 +154,6 @@ def _has(control: Any, value: bool | float | str) -> bool:
         return False
     if isinstance(control, viser.GuiButtonHandle):
         return value is True
-    if isinstance(control, viser.GuiCheckboxHandle):
-        return isinstance(value, bool)
     if isinstance(control, viser.GuiDropdownHandle | viser.GuiButtonGroupHandle):
         return value in control.options
     if not isinstance(control, viser.GuiSliderHandle | viser.GuiNumberHandle) or isinstance(value, bool | str):

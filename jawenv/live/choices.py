@@ -1,4 +1,4 @@
-"""The controls that choose a level, a patient and a model."""
+"""The controls that choose a patient and a model."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from jawenv.anatomy import COHORTS
 from jawenv.anatomy.knowledge import LEVELS
 from jawenv.controls import CONTROLS
 from jawenv.ladder import MODELS
-from jawenv.live.levels import GAME, OWN, level_of
 from jawenv.live.setup import LONGEST_S, SHORTEST_S, Setup
 from jawenv.playing.rollout import LARGEST_SEED
 
@@ -35,9 +34,6 @@ class Choices:
         self._cohorts = {**COHORTS, cohort.name: cohort}
         known = next((name for name, level in LEVELS.items() if level == knowledge), "as given")
         self._knowledge = {**LEVELS, known: knowledge}
-        titles = tuple(level.title for level in (*GAME, OWN))
-        self._level = gui.add_dropdown("Level", titles, initial_value=level_of(setup).title)
-        self._level.on_update(leave(self._choose_level))
         with gui.add_folder("Patient and model", expand_by_default=False):
             self.fields = {
                 "seed": gui.add_number("Patient seed", setup.seed, min=0, max=LARGEST_SEED, step=1),
@@ -67,17 +63,7 @@ class Choices:
         patient = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._knowledge[values["knowledge"]]}
         return Setup(replace(self._world, **(values | patient)), seed)
 
-    def show_level(self, setup: Setup) -> None:
-        """Name the level of a setup."""
-        self._level.value = level_of(setup).title
-
     def next_patient(self) -> None:
         """The patient of the next seed."""
         self.fields["seed"].value = (int(self.fields["seed"].value) + 1) % (LARGEST_SEED + 1)
         self._change()
-
-    def _choose_level(self) -> None:
-        level = next((level for level in GAME if level.title == self._level.value), None)
-        if level is not None:
-            self.fields["cohort"].value, self.fields["knowledge"].value = level.cohort, level.knowledge
-            self.next_patient()

@@ -6,7 +6,6 @@ import contextlib
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +16,8 @@ from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.live import panels
 from jawenv.live.choices import Choices
 from jawenv.live.keys import Keys, keys_html, moved
-from jawenv.live.levels import level_of
 from jawenv.live.outcome import DriveOutcome, learned_agents, outcomes_of_rivals
-from jawenv.live.question_controls import Question
 from jawenv.live.saving import Saves
-from jawenv.live.score_card import score_png
 from jawenv.live.session import BY_HAND, DriveSession
 from jawenv.live.setup import Setup
 from jawenv.live.view import View
@@ -62,7 +58,6 @@ class Page:
         self._wishes: OrderedDict[Any, Callable[[], None]] = OrderedDict()  # what it is for -> what to do
         self._stopped = False
         self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[DriveOutcome]()
-        self._hidden_s = level_of(setup).hidden_s
         self.steps = 0
         self._ghost: DriveSession | None = None
         self.session = DriveSession(setup, learned_agents() | dict(agents or {}))
@@ -105,7 +100,7 @@ class Page:
         """Hold time until somebody steers, or a maneuver shows itself."""
         self._waiting = True
         by_hand = self.session.driver == BY_HAND
-        self._remark, self._steps_card.content = (_BEGIN, panels.steps_html(self._hidden_s)) if by_hand else ("", "")
+        self._remark, self._steps_card.content = (_BEGIN, panels.STEPS) if by_hand else ("", "")
 
     def _drives(self) -> bool:
         """Whether time passes."""
@@ -132,26 +127,12 @@ class Page:
             self._view.show_ghost(self._ghost.drive())
         if down or self.session.driver != BY_HAND:
             self._set_sliders(hand if down else self._shown.targets)
-        self._question.follow(self._shown)
         self._show()
         if self.session.ended:
             self._end()
 
     def _show(self) -> None:
-        question = self._question
-        self._view.show(self._shown, self._remark, self._hidden_s, question.unanswered, question.open)
-
-    def _want_score(self, event: Any) -> None:
-        """Leave the wish for the score's picture, one for each browser."""
-        if event.client is not None and self._picture.visible:
-            self._wishes.setdefault(event.client.client_id, partial(self._send_score, event.client))
-
-    def _send_score(self, client: Any) -> None:
-        """Let a browser keep the score as a picture."""
-        setup = self.session.setup
-        title = f"Level: {level_of(setup).title}. Patient {setup.seed} of {setup.world.build_cohort().name}"
-        picture = score_png(title, self._question.answer, [self._shown.outcome, *self._rivals])
-        client.send_file_download(f"jawenv_{setup.seed}.png", picture, save_immediately=True)
+        self._view.show(self._shown, self._remark)
 
     def _end(self) -> None:
         """Save what was driven, and say what the rivals reach on this patient."""
@@ -163,7 +144,6 @@ class Page:
         if not self._rivals:
             self._rivals = outcomes_of_rivals(self.session.setup, self.session.agents)
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
-        self._picture.visible = True
 
     def _saved(self) -> list[str]:
         return [str(path) for path in self._saves.save(self.session)]
@@ -171,9 +151,7 @@ class Page:
     def _begin(self) -> None:
         """The same patient again."""
         self._saves.begin()
-        self._question.begin()
         self._score.content = ""
-        self._picture.visible = False
         self._paused = False
         self._keys.take()
         self._wait()
@@ -189,8 +167,7 @@ class Page:
         self._say("making the environment: the first of a model compiles for up to a minute")
         session = DriveSession(setup, self.session.agents)
         session.hand_over(self._driver.value)
-        self.session, self._rivals, self._hidden_s = session, [], level_of(setup).hidden_s
-        self._choices.show_level(setup)
+        self.session, self._rivals = session, []
         self._view.renew(session.shown())
         self._call_ghost()
         self._begin()
@@ -261,7 +238,6 @@ class Page:
 
     def _lay_out(self, gui: Any) -> None:
         self._steps_card = gui.add_html("", order=self._view.below_status)
-        self._question = Question(gui, self._wish, self._view.below_status, self._show)
         self._view.on_colour(self._wish(self._show))
         self._sliders = [
             gui.add_slider(name, low, HIGHEST, _STEP, 0.0) for name, low in zip(_SLIDERS, LOWEST, strict=True)
@@ -276,8 +252,6 @@ class Page:
         self._buttons = gui.add_button_group("Drive", _BUTTONS)
         self._buttons.on_click(lambda event: self._buttons_clicked(event.target.value, event.client))
         self._score = gui.add_html("")
-        self._picture = gui.add_button("Score as a picture", visible=False)
-        self._picture.on_click(self._want_score)
         self._choices = Choices(gui, self.session.setup, self._wish, self._change)
 
     def _buttons_clicked(self, button: str, client: Any) -> None:

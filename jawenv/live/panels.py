@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from html import escape
 
 from jawenv.live.outcome import KNOWN, LARGEST_DISCOMFORT_S, DriveOutcome
-from jawenv.live.question import AnsweredMuscle, stiff_from_N
 from jawenv.live.session import Shown
+from jawenv.live.stiffness import stiff_from_N
 from jawenv.metrics.calibration import alarm_word
 from jawenv.metrics.diagnosis import whole_muscles_per_line
 from jawenv.metrics.standing import standing
@@ -24,13 +24,8 @@ _CARD = (
 _SHORT = {"anterior": "ant.", "posterior": "post.", "medial": "med.", "superficial": "sup.", "left": "L", "right": "R"}
 
 
-def posterior_html(scene: Scene, secret: bool = False) -> str:
-    """A row for each muscle, a bar for each of its two parameters: longer and bluer the better it is known.
-
-    Args:
-        scene: the moment.
-        secret: whether the estimates would tell the answer of a question that is still open.
-    """
+def posterior_html(scene: Scene) -> str:
+    """A row for each muscle, a bar for each of its two parameters: longer and bluer the better it is known."""
     worst = float(scene.prior_sd.max())
     index = {name: i for i, name in enumerate(scene.parameter_names)}
     head = f"<tr><th></th>{_heads(_POSTERIOR_HEADS)}</tr>"
@@ -39,7 +34,7 @@ def posterior_html(scene: Scene, secret: bool = False) -> str:
         cells = []
         for parameter in ("log_F_o", "log_b"):
             i = index[f"{parameter}/{muscle}"]
-            value = "?" if secret else f"{math.exp(float(scene.belief_mean[i])):#.3g}".rstrip(".")
+            value = f"{math.exp(float(scene.belief_mean[i])):#.3g}".rstrip(".")
             sd = _sd_cell(float(scene.belief_sd[i]), worst)
             cells.append(f"<td style='text-align:right;padding-left:8px'>{value}</td>{sd}")
         rows.append(f"<tr><th style='{_NAME}'>{escape(muscle_name(muscle))}</th>{''.join(cells)}</tr>")
@@ -57,43 +52,6 @@ def strip_html(scene: Scene) -> str:
         bar = _sd_bar(float(scene.belief_sd[rows].max()), worst)
         bars.append(f"<div style='flex:1;min-width:0'>{bar}<span>{escape(_initials(muscle))}</span></div>")
     return f"<div id='strip' style='{_CARD};gap:6px;font-size:11px'>{''.join(bars)}</div>"
-
-
-def hidden_html(until_s: float) -> str:
-    """Card in place of the posterior while it is hidden; ``until_s`` 0: until the question is answered."""
-    words = f"The bars appear after {until_s:g} s. Until then watch which muscles get thick: they pull."
-    if not until_s:
-        words = "Bars and estimates appear with your answer."
-    return f"<div id='posterior' style='{_CARD}'><b>Posterior</b> hidden<div>{words}</div></div>"
-
-
-def steps_html(hidden_s: float = 0.0) -> str:
-    """First steps of a driver, who sees no bars before ``hidden_s``."""
-    bars = f"Watch the bars fill, here after {hidden_s:g} s." if hidden_s else "Watch the bars fill."
-    steps = ("Hold <b>S</b>: the jaw opens.", "Swing with <b>A</b> and <b>D</b>.", bars)
-    items = "".join(f"<li>{step}</li>" for step in steps)
-    asked = "After 30 s: which muscles are stiff?"
-    return f"<div id='steps' style='{_CARD}'><ol style='margin:0;padding-left:20px'>{items}</ol>{asked}</div>"
-
-
-def answer_html(rows: Sequence[AnsweredMuscle]) -> str:
-    """The player's answer for each muscle, beside the truth and the filter's estimate."""
-    lines = []
-    for row in rows:
-        colour = "inherit" if row.right else "var(--live-remark)"
-        mark = "&#10003;" if row.right else "&#10007;"
-        cells = (
-            f"<span style='color:{colour}'>{mark} {_word(row.said)}</span>",
-            f"{_word(row.stiff)} {row.true_F_o_N:.2f}",
-            row.estimate,
-        )
-        tds = "".join(f"<td style='{_FIGURE}'>{cell}</td>" for cell in cells)
-        lines.append(f"<tr><th style='{_NAME}'>{escape(muscle_name(row.muscle))}</th>{tds}</tr>")
-    right = f"<b>{sum(row.right for row in rows)} of {len(rows)} right</b>"
-    title = f"{right} F<sub>o</sub> in N, stiff above {rows[0].limit_N:g} N"
-    head = "".join(f"<th style='text-align:right'>{word}</th>" for word in ("", "you say", "truth", "filter"))
-    table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'><tr>{head}</tr>{''.join(lines)}</table>"
-    return f"<div id='answer' style='{_CARD}'>{title}{table}</div>"
 
 
 def legend_html(scene: Scene, by_stiffness: bool = False) -> str:
@@ -212,6 +170,13 @@ def score_html(outcomes: Sequence[DriveOutcome], saved: Sequence[str] = ()) -> s
     return f"<div id='score' style='{_CARD}'><b>Score on this patient</b>{table}{files}</div>"
 
 
+_STEPS = ("Hold <b>S</b>: the jaw opens.", "Swing with <b>A</b> and <b>D</b>.", "Watch the bars fill.")
+STEPS = (
+    f"<div id='steps' style='{_CARD}'><ol style='margin:0;padding-left:20px'>"
+    + "".join(f"<li>{step}</li>" for step in _STEPS)
+    + "</ol></div>"
+)
+"""First steps of a driver."""
 _ALARMS = {
     "yellow": "The readings fit the model badly: look twice at the estimates.",
     "rings": "The readings do not fit the model.",
@@ -289,7 +254,3 @@ def _initials(muscle: str) -> str:
 def _limit(name: str) -> str:
     """Name of a comfort limit."""
     return escape(name.replace("_", " ").replace("fore aft", "fore-aft"))
-
-
-def _word(stiff: bool) -> str:
-    return "stiff" if stiff else "healthy"

@@ -10,8 +10,8 @@ import numpy as np
 from jawenv.live import panels
 from jawenv.live.jaw3d import FIRST_POSITION, Jaw3D
 from jawenv.live.look import DARK_DIGIT, SCRIPTS, STYLE
-from jawenv.live.question import stiffness_colours
 from jawenv.live.session import Shown
+from jawenv.live.stiffness import stiffness_colours
 from jawenv.rendering.muscles import muscle_colours
 
 _NARROW = 0.65  # width over height of the picture: 0.6 of 480 by 800, 0.69 between the panels of 1,400 by 900
@@ -67,21 +67,9 @@ class View:
         """Whether a browser shows the page."""
         return bool(self._server.get_clients())
 
-    def show(
-        self, shown: Shown, remark: str = "", hidden_s: float = 0.0, secret: bool = False, asked: bool = False
-    ) -> None:
-        """Show a moment.
-
-        Args:
-            shown: the moment.
-            remark: below the figures.
-            hidden_s: before that time nothing of what is believed of the muscles is shown.
-            secret: whether the estimates would tell the answer of a question, now or later.
-            asked: whether the question stands on the page: then nothing of the belief is shown.
-        """
-        early = shown.scene.time_s < hidden_s and not shown.ended
-        hidden = early or asked
-        by_stiffness = self._colour.value == _HOW_STIFF and not (hidden or secret)
+    def show(self, shown: Shown, remark: str = "") -> None:
+        """Show a moment, with a remark below the figures."""
+        by_stiffness = self._colour.value == _HOW_STIFF
         now = time.monotonic()
         whole = shown.ended or now - self._whole_at >= _WHOLE_EVERY_S
         if whole:
@@ -90,10 +78,8 @@ class View:
             self._jaw.colours = stiffness_colours if by_stiffness else muscle_colours
             self._jaw.show(shown.scene, whole)
             self._legend.content = panels.legend_html(shown.scene, by_stiffness)
-            self._posterior.content = (
-                panels.hidden_html(hidden_s if early else 0.0) if hidden else panels.posterior_html(shown.scene, secret)
-            )
-            self._strip.content = "" if hidden else panels.strip_html(shown.scene)
+            self._posterior.content = panels.posterior_html(shown.scene)
+            self._strip.content = panels.strip_html(shown.scene)
             self._comfort.content = panels.comfort_html(shown.scene)
             self._status.content = panels.status_html(shown, remark)
 

@@ -15,7 +15,6 @@ SHORT = ["--episode-s", "1", "--seed", "5000"]
     [
         (["play", "hold_still", *SHORT], "--video", "film.webp"),
         (["compare", "hold_still", *SHORT, "--patients", "2"], "--output", "compare"),
-        (["diagnose", "hold_still", *SHORT, "--patients", "2"], "--output", "diagnose"),
         (["replay", "refined", *SHORT, "--patients", "2"], "--output", "replay.yaml"),
     ],
 )

@@ -22,7 +22,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
 
 
-@pytest.mark.parametrize("command", ["compare", "calibrate", "diagnose", "patient", "play", "replay", "study"])
+@pytest.mark.parametrize("command", ["compare", "calibrate", "patient", "play", "replay", "study"])
 def test_commands_unpickle_nothing_without_trust(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

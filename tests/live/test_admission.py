@@ -150,10 +150,7 @@ def test_a_share_request_opens_no_connection(live, browser, monkeypatch):
 
 
 def controls(page):
-    if page._question._folder is None:
-        page._question._ask(page._shown)
     return {
-        "stiff": page._question._boxes[0],
         "opening": page._sliders[0],
         "driver": page._driver,
         "ghost": page._ghosts,
@@ -168,7 +165,6 @@ def controls(page):
         ("opening", [float("nan"), float("inf"), -0.1, 1.1, 1e9, True, "0.3", None, [0.3], {"a": 1}]),
         ("driver", ["/etc/passwd", "x.yaml", "", "a\0.yaml", "<b>", "you ", 3, True, "y" * 2000]),
         ("ghost", ["you", "nonsense"]),
-        ("stiff", [1, 0.5, "true", "", None]),
         ("drive", ["Nope", True, 0]),
         ("seed", [-1, 2**32, 2**60, 1e30, float("nan"), True, "7"]),
         ("cohort", ["../x", "secret.yaml"]),

@@ -1,4 +1,4 @@
-"""``python -m eval patient`` and ``diagnose`` as a user types them."""
+"""``python -m eval patient`` as a user types it."""
 
 import re
 import sys
@@ -276,16 +276,3 @@ def test_two_files_of_one_name_and_a_file_in_place_of_a_folder(tmp_path, capsys)
     assert "beside another file of that name" in capsys.readouterr().err
     assert run(tmp_path / "same.json", "hold_still", *SHORT) == 2
     assert "same.json" in capsys.readouterr().err
-
-
-def test_diagnose_writes_a_table_and_goes_on(tmp_path, capsys):
-    arguments = ["diagnose", RICH, *SHORT, "--patients", "6", "--output", str(tmp_path)]
-    assert main(arguments) == 0
-    assert main(arguments) == 0
-    assert "kept from an earlier run" in capsys.readouterr().out
-    table = pd.read_parquet(tmp_path / "diagnosis.parquet")
-    assert len(table) == 2 * (1 + len(MUSCLE_NAMES))
-    assert (table["raised"] + table["normal"]).tolist() == [36, *[6] * 6] * 2
-    assert "seeds 5200 to 5205" in (tmp_path / "diagnosis.md").read_text(encoding="utf-8")
-    assert main(["diagnose"]) == 2
-    assert "entries is none; allowed" in capsys.readouterr().err
