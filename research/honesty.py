@@ -3,8 +3,8 @@
     python -m research.honesty corners --patients 64 --seed 20000
     python -m research.honesty all > docs/tables/honesty.md
 
-bias: the largest mean z of all parameters, all cohorts, three controls. corners: motors held at each of the 16
-corners of their range. memory: a disturbance with memory, told rightly and wrongly. alarm: what rings, of calibrated
+bias: the largest mean z of all parameters and agents, all cohorts, three controls. corners: motors held at each of the
+16 corners of their range. memory: a disturbance with memory, told rightly and wrongly. alarm: what rings, of calibrated
 episodes and of others. change: how much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo
 moves, beside the filter's own. way: how often a belief is false on its way, all beliefs and those that are settled, and
 what waiting for these costs. effects: how wrong belief and change are under each effect that the filter is not told.
@@ -139,24 +139,31 @@ def memory(arguments):
 
 
 def bias(arguments):
+    """Print for each cohort and control the agent under which estimates lie furthest to one side."""
     head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest mean z", "of")
     names = COHORTS[next(iter(COHORTS))].muscles.parameter_names
-    for cohort, control, name in product(COHORTS, CONTROLS, (RICH, SWINGS, PLAIN, ONE_CHANNEL, "random")):
-        sample = beliefs(load_agent(name, control=control), arguments, cohort=cohort, control=control)
-        means = statistics.means_together(sample.z)
-        worst = int(np.argmax([abs(mean.value) for mean in means]))
-        _row(cohort, control, name, sample.figures(), words.with_interval(means[worst], 2), names[worst])
+    for cohort, control in product(COHORTS, CONTROLS):
+        rows = []
+        for name in (RICH, SWINGS, PLAIN, ONE_CHANNEL, "random"):
+            sample = beliefs(load_agent(name, control=control), arguments, cohort=cohort, control=control)
+            means = statistics.means_together(sample.z)
+            worst = int(np.argmax([abs(mean.value) for mean in means]))
+            cells = name, sample.figures(), words.with_interval(means[worst], 2), names[worst]
+            rows.append((abs(means[worst].value), cells))
+        _row(cohort, control, *max(rows)[1])
 
 
 def alarm(arguments):
     head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "rings, %")
     total = []
     for cohort, control in product(COHORTS, CONTROLS):
+        rows = []
         for name in (RICH, SWINGS, "hold_still", *POLICY_LIKE):
             agent = load_agent(name, control=control)
             sample = beliefs(agent, arguments, cohort=cohort, control=control)
-            _row(cohort, control, name, sample.figures(), sample.ringing())
+            rows.append((sample.rings.mean(), sample.nees.mean(), (name, sample.figures(), sample.ringing())))
             total.append(sample.rings)
+        _row(cohort, control, *max(rows)[2])  # who rings most, then who is furthest off
     rings = np.concatenate(total)
     print(f"\n{rings.sum()} of {len(rings)} honest episodes ring: {100.0 * rings.mean():.2f} %\n", flush=True)
     head("not told", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "NEES/12 > 4", "of these ring, %")

@@ -12,7 +12,6 @@ from eval.benchmark.tasks import TASKS, VERSION, Task, digest
 from eval.figures import statistics, words
 from eval.figures.statistics import Array, Interval
 from eval.figures.tables import Table, code, made_by
-from eval.rows.times import LEVELS, restricted
 
 NOTE = (
     "Seconds until every parameter is within the task's share of the truth, and stays there to the end of an episode "
@@ -25,12 +24,6 @@ CHECK_NOTE = (
     "Later: their mean score less that of the public ones, with the 95 % interval of two independent samples (Welch "
     "1947). By chance one interval in twenty leaves out 0."
 )
-DETAILS_NOTE = (
-    "Of the public patients. Get there: share of the patients (Wilson's interval). Within 20, 10, 5 %: the score with "
-    "that share. Claimed: the restricted mean of the first time at which no sd that the filter states is above the "
-    "task's share. Worst sd: median, at the end. Stopped: a hard limit was crossed, or the filter diverged."
-)
-_DIGITS = {"score, s": 2, "get there, %": 0, "worst sd, %": 2, "discomfort, s": 3}
 TASK_HEAD = ("task", "what it asks", "model", "cohort", "knowledge", "device", "within", "seeds")
 Cells = dict[tuple[str, str], pd.DataFrame]
 
@@ -78,41 +71,6 @@ def check_table(rows: pd.DataFrame) -> Table:
     return Table(head, table, (0, 1), CHECK_NOTE, "Drawn patients: a check")
 
 
-def figures(task: str, cell: pd.DataFrame) -> dict[str, Interval]:
-    """The score and figures beside it, by heading.
-
-    Args:
-        task: id of the task.
-        cell: rows of one agent.
-    """
-    within, episode_s = TASKS[task].within, TASKS[task].episode_s
-
-    def mean_time(column: str) -> Interval:
-        return statistics.mean(restricted(_numbers(cell, column), episode_s))
-
-    reached = np.isfinite(_numbers(cell, f"within_{within:g}_s"))
-    return {
-        "score, s": _score(cell),
-        "get there, %": words.scaled(statistics.share(reached), 100.0),
-        **{f"within {100.0 * level:g} %, s": mean_time(f"within_{level:g}_s") for level in LEVELS},
-        "claimed, s": mean_time("claimed_s"),
-        "worst sd, %": words.scaled(statistics.quantile(_numbers(cell, "worst_sd"), 0.5), 100.0),
-        "discomfort, s": statistics.mean(_numbers(cell, "discomfort_s")),
-        "stopped, %": words.scaled(statistics.share(~cell["completed"].to_numpy(dtype=bool)), 100.0),
-    }
-
-
-def _details_table(rows: pd.DataFrame) -> Table:
-    """A task and an agent a row, with the figures beside the score."""
-    table, head = [], ["task", "agent", "patients"]
-    for (task, agent), cell in _cells(rows, PUBLIC).items():
-        beside = figures(task, cell)
-        head = [*head[:3], *beside]
-        written = [words.with_interval(value, _DIGITS.get(name, 1)) for name, value in beside.items()]
-        table.append([task, words.label(agent), str(len(cell)), *written])
-    return Table(head, table, (0, 1), DETAILS_NOTE)
-
-
 def task_row(task: Task) -> list[str]:
     """A task's row of settings."""
     device = ", ".join(f"{name} {value:g}" for name, value in task.device.items())
@@ -138,8 +96,6 @@ def markdown(rows: pd.DataFrame, metadata: dict[str, Any], key: str) -> str:
         made_by(metadata, f"tasks {VERSION}, digest `{digest()}`"),
         f"Not all patients were played: {'; '.join(fewer)}." if fewer else "All patients of these tasks were played.",
         score_table(rows).markdown(),
-        "## Beside the scores",
-        _details_table(rows).markdown(),
         "## Drawn patients",
         f"Drawn by {code(f'--key {key}')}.",
         check_table(rows).markdown(),

@@ -49,7 +49,7 @@ def _benchmark_command(
     workers: options.Workers = None,
     trust: options.Trust = False,
 ) -> None:
-    """Play the tasks of the frozen benchmark, and write their scores (docs/benchmark.md).
+    """Play the tasks of the frozen benchmark, and write their scores (docs/studies.md).
 
     Every task is played with its own patients, and with as many whom a new key draws. Writes benchmark.md and
     benchmark.parquet. Ctrl-C keeps what is finished: the same command, with --key, goes on from there.

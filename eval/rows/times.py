@@ -26,7 +26,7 @@ LEVELS = (0.20, 0.10, 0.05, 0.02)
 _OF_THE_EPISODE = ("seed", "worst_sd", "rmse", "nees", "discomfort_s", "violated")
 _FOUND = tuple(f"within_{level:g}_s" for level in LEVELS)
 COLUMNS = (*_OF_THE_EPISODE, *_FOUND, "claimed_s", "completed", "score_s")
-"""Columns of every patient; see docs/benchmark.md."""
+"""Columns of every patient; see docs/studies.md."""
 
 
 def _within_for_good(recording: Recording, within: float) -> Array:

@@ -60,7 +60,7 @@ def study(
         }
         for name_of_table, table in figures.items():
             write_table(table, output / f"{name_of_table}.parquet", metadata)
-        page = tables.markdown(figures["cells"], figures["pairs"], figures["profiles"], plan, metadata)
+        page = tables.markdown(figures["cells"], figures["pairs"], plan, metadata)
         write_text(output / "study.md", page)
         drawing.draw(figures["profiles"], plan, output / "profiles.svg")
     tables.of_cells(figures["cells"], plan).show(console, intervals=False)

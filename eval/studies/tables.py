@@ -17,8 +17,6 @@ from eval.studies.estimates import ALL
 from eval.studies.grid import FACTORS
 
 _TITLES = {"control_hz": "steps/s", "reality": "effects"}
-_SD_SHOWN = (0.02, 0.05, 0.10, 0.20)
-_TIMES_SHOWN = 3
 NOTE = (
     "Beside each figure its 95 % interval over the patients: bias-corrected and accelerated bootstrap for "
     "means, percentile bootstrap for medians and p90 (worst sd, times), Wilson's for shares. sd are of natural logs: "
@@ -67,7 +65,7 @@ def of_cells(table: pd.DataFrame, design: Design) -> Table:
 
 
 def _of_pairs(table: pd.DataFrame, design: Design) -> Table:
-    """The table of pairs.
+    """The table of pairs, of one with several settings over all of them.
 
     Args:
         table: of `eval.studies.estimates.pairs`, not empty.
@@ -77,7 +75,9 @@ def _of_pairs(table: pd.DataFrame, design: Design) -> Table:
     head = ["first", "second", *(_TITLES.get(factor, factor) for factor in factors), "patients"]
     head += [FIGURES[metric].title for metric in design.metrics if FIGURES[metric].compared]
     rows = []
-    for group, figures in table.groupby(["better", "than", *FACTORS], sort=False):
+    whole = table[list(FACTORS)].eq(ALL).any(axis=1)
+    several = whole.groupby([table["better"], table["than"]]).transform("any")
+    for group, figures in table[whole | ~several].groupby(["better", "than", *FACTORS], sort=False):
         levels = dict(zip(FACTORS, group[2:], strict=True))
         rows.append(
             [
@@ -98,44 +98,16 @@ def _compared(row: Mapping[Any, Any]) -> str:
     return _cell(difference, row["metric"]) + ("" if np.isnan(better.value) else f"; {share}")
 
 
-def _of_profiles(table: pd.DataFrame, design: Design) -> Table:
-    """A table of some points of the profiles.
-
-    Args:
-        table: of `eval.studies.estimates.profiles`.
-        design: the study.
-    """
-    factors = _varying(table)
-    times = [design.episode_s * (step + 1) / _TIMES_SHOWN for step in range(_TIMES_SHOWN)]
-    head = [_TITLES.get(factor, factor) for factor in factors]
-    head += [f"worst sd ≤ {100 * level:g} %" for level in _SD_SHOWN] + [f"5 % within {time:.3g} s" for time in times]
-    rows = []
-    for levels, cell in table.groupby(list(FACTORS), sort=False):
-        setting = dict(zip(FACTORS, levels, strict=True))
-        figures = []
-        for quantity, points in (("worst_sd", _SD_SHOWN), ("time_to_5", times)):
-            of_one = cell[cell["quantity"] == quantity]
-            for point in points:
-                row = of_one.iloc[(of_one["x"] - point).abs().argmin()]
-                ends = words.interval(Interval(row["share"], 100 * row["low"], 100 * row["high"]), 0)
-                figures.append(f"{words.percent(row['share'], 0)} ({ends})")
-        rows.append([*(_level(factor, setting[factor]) for factor in factors), *figures])
-    return Table(head, rows, _texts(head, rows))
-
-
 def _texts(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
     return [i for i in range(len(head)) if not any(char.isdigit() for row in rows for char in row[i][:2])]
 
 
-def markdown(
-    cells: pd.DataFrame, pairs: pd.DataFrame, profiles: pd.DataFrame, design: Design, metadata: dict[str, Any]
-) -> str:
-    """All tables of a study, below its question and a line on their making.
+def markdown(cells: pd.DataFrame, pairs: pd.DataFrame, design: Design, metadata: dict[str, Any]) -> str:
+    """The tables of cells and pairs of a study, below its question and a line on their making.
 
     Args:
         cells: of `eval.studies.estimates.cells`.
         pairs: of `eval.studies.estimates.pairs`.
-        profiles: of `eval.studies.estimates.profiles`.
         design: the study.
         metadata: of `eval.kept.tables.made_with`.
     """
@@ -147,5 +119,4 @@ def markdown(
     lines.append(of_cells(cells, design).markdown())
     if len(pairs):
         lines += ["## Pairs", _of_pairs(pairs, design).markdown()]
-    lines += ["## Profiles: share of the patients, %", _of_profiles(profiles, design).markdown()]
     return "\n\n".join(lines) + "\n"

@@ -1,4 +1,4 @@
-"""The interface of a design environment (docs/design_environment.md)."""
+"""The interface of a design environment (docs/inference.md)."""
 
 from __future__ import annotations
 

@@ -20,8 +20,8 @@ def library(name: str) -> list[pytest.MarkDecorator]:
 
 
 def recipe(package: str) -> dict[str, Any]:
-    """What the recipe of docs/compatibility.md that imports a package leaves, run in a module of its own."""
-    (block,) = (block for block in blocks(ROOT / "docs" / "compatibility.md", "py") if f"from {package}." in block.text)
+    """What the recipe of docs/environment.md that imports a package leaves, run in a module of its own."""
+    (block,) = (block for block in blocks(ROOT / "docs" / "environment.md", "py") if f"from {package}." in block.text)
     names: dict[str, Any] = {"__name__": "__main__"}
     exec(compile(block.text, block.place, "exec"), names)
     return names

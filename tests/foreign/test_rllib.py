@@ -1,4 +1,4 @@
-"""RLlib: the recipe of docs/compatibility.md, in two processes of its own."""
+"""RLlib: the recipe of docs/environment.md, in two processes of its own."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""skrl: the recipe of docs/compatibility.md, and steps that are the environment's own."""
+"""skrl: the recipe of docs/environment.md, and steps that are the environment's own."""
 
 import gymnasium as gym
 import numpy as np

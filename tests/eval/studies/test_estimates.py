@@ -125,14 +125,13 @@ def test_the_page_names_how_it_was_made(rng):
         "git": {"commit": "0123456789abcdef", "changed": True},
         "machine": {"cores": 2, "processor": "Some"},
     }
-    figures = (function(known, wanted) for function in (estimates.cells, estimates.pairs, estimates.profiles))
+    figures = (function(known, wanted) for function in (estimates.cells, estimates.pairs))
     page = tables.markdown(*figures, wanted, about)
     assert "`python -m eval study known.yaml`" in page and "(seeds 5000–5029)" in page
     assert "2 cores of Some" in page and "commit 0123456789ab with changes" in page
     assert "environment JawHinge, cohort trismus" in page and "| environment |" not in page
     heads = [line for line in page.splitlines() if line.startswith("| ")]
-    assert len(heads) == (1 + 4) + (1 + 3) + (1 + 4)
-    assert "67 (49 … 81)" in page, "20 of 30 patients by Wilson's interval"
+    assert len(heads) == (1 + 4) + (1 + 1)
 
 
 def test_patients_above_the_admitted_discomfort_are_counted_per_30_s():
