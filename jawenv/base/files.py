@@ -8,6 +8,7 @@ import json
 import numbers
 import os
 import re
+import stat
 import tomllib
 import uuid
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -169,17 +170,25 @@ def atomic_write(path: str | os.PathLike[str], *, synced: bool = True) -> Iterat
         synced: whether its content is on the disk before it gets its name, and so whole after a loss of power, too.
 
     Yields:
-        Where to write. At the end of the block this becomes the file, in place of an older one; after an error nothing
-        is left of it.
+        Where to write. At the end of the block this becomes the file, in place of an older one, whose permissions it
+        gets; a link stays, and what it leads to is replaced. After an error nothing is left of it.
     """
     path = Path(path)
-    unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}.unfinished")
+    target, place = Path(os.path.realpath(path)), Path(os.path.realpath(path.parent)).parts
+    if place[1:2] == ("dev",) and place[2:3] != ("shm",):  # /dev/stdout would be replaced for the whole machine
+        raise InputError(f"{path}: lies among devices; allowed: a file")
+    mode = target.stat().st_mode if target.exists() else None
+    if mode is not None and not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        raise InputError(f"{path}: is a device, pipe or socket; allowed: a file")
+    unfinished = target.with_name(f".{target.name}.{uuid.uuid4().hex}.unfinished")
     try:
         yield unfinished
         if synced:
             with unfinished.open("rb+") as file:
                 os.fsync(file.fileno())
-        unfinished.replace(path)
+        if mode is not None:
+            unfinished.chmod(stat.S_IMODE(mode))
+        unfinished.replace(target)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
@@ -199,10 +208,10 @@ def remove_unfinished(output: Path) -> None:
             path.unlink()
 
 
-def check_kept(output: Path, inputs: Iterable[Path | None]) -> None:
-    """Check that a file to be written is none of the files that are read, also by way of links."""
-    for source in inputs:
-        if source is not None and output.exists() and source.exists() and output.samefile(source):
+def check_kept(output: Path, inputs: Iterable[object]) -> None:
+    """Check that an output is no input, also by way of links; inputs that are no paths are passed over."""
+    for source in (Path(each) for each in inputs if isinstance(each, str | os.PathLike)):
+        if output.exists() and source.exists() and output.samefile(source):
             raise InputError(f"{output}: is read as {source}; allowed: an output that is no input")
 
 

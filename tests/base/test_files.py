@@ -1,6 +1,7 @@
 """Files from outside: every fault is one line that names the file and the field."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -185,3 +186,25 @@ def test_yaml_is_bounded_by_what_it_takes_to_read(tmp_path: Path) -> None:
     (tmp_path / "long.yaml").write_text("#" * (2**20 + 1))
     with pytest.raises(InputError):
         read_mapping(tmp_path / "long.yaml")
+
+
+def test_what_is_no_file_stays_what_it_is(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "stdout").symlink_to("/dev/null")
+    for name in (tmp_path / "pipe", tmp_path / "stdout", Path("/dev/stdout"), Path("/dev/null")):
+        with pytest.raises(InputError, match="allowed: a file"), atomic_write(name) as unfinished:
+            unfinished.write_text("lost", encoding="utf-8")
+    assert not Path("/dev/null").is_file() and (tmp_path / "pipe").is_fifo() and (tmp_path / "stdout").is_symlink()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pipe", "stdout"]
+
+
+def test_a_link_stays_and_so_do_permissions(tmp_path: Path) -> None:
+    (tmp_path / "far").mkdir()
+    target = tmp_path / "far" / "kept"
+    target.write_text("old", encoding="utf-8")
+    target.chmod(0o600)
+    (tmp_path / "link").symlink_to(target)
+    with atomic_write(tmp_path / "link") as unfinished:
+        unfinished.write_text("new", encoding="utf-8")
+    assert (tmp_path / "link").is_symlink() and target.read_text(encoding="utf-8") == "new"
+    assert target.stat().st_mode & 0o777 == 0o600 and len(list((tmp_path / "far").iterdir())) == 1
