@@ -20,7 +20,7 @@ __all__ = [
 ]
 
 LONGEST_SHOWN_VALUE = 60
-LONGEST_MESSAGE = 2000
+LONGEST_MESSAGE = 800
 
 _REPR = reprlib.Repr()
 # Longer than what is shown, so that the beginning of a value is shown and not its two ends.
@@ -36,7 +36,7 @@ class InputError(ValueError):
     """
 
     def __init__(self, message: object = "") -> None:
-        """Keep the message, printable and of 2,000 characters at most."""
+        """Keep the message, printable and of 800 characters at most."""
         text = printable(str(message))
         super().__init__(text if len(text) <= LONGEST_MESSAGE else text[: LONGEST_MESSAGE - 3] + "...")
 

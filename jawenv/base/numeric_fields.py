@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.base.errors import InputError, shown
+from jawenv.base.errors import InputError, meant, shown
 from jawenv.base.files import read_into
 
 
@@ -84,8 +84,9 @@ class NumericFields:
         allowed = cls.numeric_fields()
         for name in data:
             if name not in allowed:
-                names = ", ".join(allowed)
-                raise InputError(f"{cls._called()}.{name} is not a field of {cls.__name__}; allowed: {names}")
+                wrong, names = f"{cls._called()}.{shown(name)[1:-1]}", ", ".join(allowed)
+                near = meant(str(name), allowed)
+                raise InputError(f"{wrong} is not a field of {cls.__name__}; {near}allowed: {names}")
         return cls(**data)
 
     @classmethod

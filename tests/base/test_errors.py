@@ -62,7 +62,7 @@ def test_a_message_is_one_line_that_steers_no_terminal(message: str) -> None:
 
 
 def test_a_message_has_a_bounded_length() -> None:
-    assert len(str(InputError("x" * 10**6))) == 2000
+    assert len(str(InputError("x" * 10**6))) == 800
 
 
 def test_a_name_that_is_not_among_those_allowed_is_told_with_what_may_have_been_meant() -> None:

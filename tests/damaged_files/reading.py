@@ -12,27 +12,57 @@ from tests.damaged_files.formats import FORMATS, Format
 LONGEST_S = 1.0
 """Of computing; a machine that others use may take ten times that."""
 LONGEST_LINE = 800
-KINDS = ("bits", "cut", "value", "zeros")
-VALUES = (b"-1", b"0", b"1e999", b"nan", b"9" * 5000, b"null", b"[]", b"{}", b"''", b"true", b"1e-320")
+_TOKEN = re.compile(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?|[A-Za-z_]{2,}|\"[^\"\n]*\"")
+_VALUES = (
+    *(b"-1", b"0", b"1e308", b"1e999", b"1e-320", b"nan", b"9" * 400, b"9" * 5000, b"4294967296", b"0x10", b"1_000"),
+    *(b"null", b"true", b"[]", b"{}", b"''", b"[[[[[1]]]]]", b"{a: {b: 1}}", b"2026-01-01", b"1,5", b"=1+1"),
+    *(b"\xff\xfe", b"\x00", b"\xc2\xa0", b"\xe2\x80\xae", b"'\\u001b[2J'", b"!!python/object/apply:os.system [x]"),
+    *(b"*a", b"&a [1]", b"<<"),
+)
+_WORDS = (b"\xff" * 4, bytes(4), b"\xff\xff\xff\x7f", b"\x00\x00\x00\x80", b"\x01\x00\x00\x00", b"\xff" * 8)
 
 
-def damaged(content: bytes, kind: str, rng: np.random.Generator) -> bytes:
-    """The content with one damage of a kind."""
-    made = bytearray(content)
-    if kind == "bits":
-        for bit in rng.integers(8 * len(made), size=int(rng.integers(1, 40))):
-            made[bit // 8] ^= 1 << (bit % 8)
-    elif kind == "cut":
-        del made[int(rng.integers(len(made))) :]
-    elif kind == "value":
-        numbers = list(re.finditer(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?", content))
-        if numbers:
-            chosen = numbers[int(rng.integers(len(numbers)))]
-            made[chosen.start() : chosen.end()] = VALUES[int(rng.integers(len(VALUES)))]
-    else:
-        a, b = sorted(int(place) for place in rng.integers(0, len(made) + 1, size=2))
-        made[a:b] = bytes(b - a)
-    return bytes(made)
+def _others(made: bytearray, rng: np.random.Generator) -> None:
+    """Numbers, words and quoted texts become something of another type."""
+    for _ in range(int(rng.integers(1, 4))):
+        if tokens := list(_TOKEN.finditer(made[:400_000])):
+            token = tokens[int(rng.integers(len(tokens)))]
+            made[token.start() : token.end()] = _VALUES[int(rng.integers(len(_VALUES)))]
+
+
+def _lines(made: bytearray, rng: np.random.Generator) -> None:
+    """Two lines are exchanged, and one of them is there twice."""
+    lines = bytes(made).split(b"\n")
+    i, j = (int(place) for place in rng.integers(len(lines), size=2))
+    lines[i], lines[j] = lines[j], lines[i]
+    made[:] = b"\n".join([*lines[:i], lines[j], *lines[i:]])
+
+
+def _lost(made: bytearray, rng: np.random.Generator) -> None:
+    """A block is gone, or all from there on."""
+    start = int(rng.integers(len(made)))
+    del made[start : start + int(rng.integers(1, 200)) if rng.random() < 0.7 else len(made)]
+
+
+def _moved(made: bytearray, rng: np.random.Generator) -> None:
+    """A block stands elsewhere once more."""
+    to, start = (int(place) for place in rng.integers(len(made) + 1, size=2))
+    made[to:to] = made[start : start + int(rng.integers(1, 300))]
+
+
+def _extremes(made: bytearray, rng: np.random.Generator) -> None:
+    """Words of 32 bits are the largest and smallest of their kinds."""
+    for _ in range(int(rng.integers(1, 6))):
+        start, word = int(rng.integers(max(1, len(made) - 8))), _WORDS[int(rng.integers(len(_WORDS)))]
+        made[start : start + len(word)] = word
+
+
+def _repeated(made: bytearray, rng: np.random.Generator) -> None:
+    """The end is there many times."""
+    made += made[-int(rng.integers(1, 2000)) :] * int(rng.integers(1, 20))
+
+
+KINDS = (_others, _lines, _others, _lost, _moved, _others, _extremes, _repeated)
 
 
 def faults_of(format_: Format, folder: Path, number: int, seed: int) -> tuple[list[str], int]:
@@ -55,14 +85,15 @@ def faults_of(format_: Format, folder: Path, number: int, seed: int) -> tuple[li
     faults, refused = [], 0
     for k in range(number):
         kind = KINDS[k % len(KINDS)]
-        changed = damaged(content, kind, np.random.default_rng([seed, k]))
+        changed = bytearray(content)
+        kind(changed, np.random.default_rng([seed, k]))
         for path, held in whole.items():
             path.write_bytes(held)
-        format_.put(place, changed)
+        format_.put(place, bytes(changed))
         problem, was_refused = _read(format_, folder, right)
         refused += was_refused
         if problem:
-            faults.append(f"{format_.name}, damage {k} of seed {seed} ({kind}): {problem}")
+            faults.append(f"{format_.name}, damage {k} of seed {seed} ({kind.__name__}): {problem}")
     return faults, refused
 
 
