@@ -82,11 +82,9 @@ def _identify_command(
         Path | None, typer.Option(help="Write the patient's page; needs a clone of the project.", metavar="FILE.html")
     ] = None,
     json: Annotated[
-        Path | None, typer.Option(help="Write all that is found as JSON, for a program to read.", metavar="FILE.json")
+        Path | None,
+        typer.Option(help="Write all that is found as JSON, - to the terminal, for a program.", metavar="FILE.json"),
     ] = None,
-    clocks: Annotated[
-        bool, typer.Option("--clocks", help="Look for a delay of the forces; up to 30 ms are taken out.")
-    ] = False,
     check_only: Annotated[
         bool, typer.Option("--check", help="Only say whether each quantity is plausible; estimate nothing.")
     ] = False,
@@ -95,16 +93,18 @@ def _identify_command(
 
     Ends with status 3 where the estimates are not to be believed.
     """
+    from jawenv.commands.outputs import answering
     from jawenv.commands.recordings import check, identify
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample, "before": before}
-    if len(recordings) > 1:
-        from jawenv.commands.several import identify_together
+    if len(recordings) == 1 and check_only:
+        return check(recordings[0], reading, {"page": page, "json": json})
+    with answering(json) as answer:
+        if len(recordings) > 1:
+            from jawenv.commands.several import identify_together
 
-        return identify_together(recordings, reading, page, json, clocks, check_only)
-    if check_only:
-        return check(recordings[0], reading, {"clocks": clocks, "page": page, "json": json})
-    return identify(recordings[0], reading, page, json, clocks)
+            return identify_together(recordings, reading, page, answer, check_only)
+        return identify(recordings[0], reading, page, answer)
 
 
 @app.command("doctor")
@@ -132,15 +132,15 @@ def _suggest_command(
     cohort: options.Cohort = None,
     knowledge: Annotated[str | None, typer.Option(help="What is known of anatomy and device.", metavar="NAME")] = None,
     columns: options.Columns = None,
+    resample: options.Resample = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an older maneuver.")] = False,
-    page: Annotated[Path | None, typer.Option(help="Also write a page with its film.", metavar="FILE.html")] = None,
 ) -> None:
     """Suggest the movement to record next: made for the estimates of this recording (docs/recordings.md)."""
     from jawenv.commands.suggest import suggest_next
 
-    reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns}
+    reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample}
     wanted = {"seconds": seconds, "search": search, "asked": asked}
-    suggest_next(recording, output, wanted, reading, overwrite, page)
+    suggest_next(recording, output, wanted, reading, overwrite)
 
 
 @app.command("import")

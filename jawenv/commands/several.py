@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from jawenv.base.errors import InputError
-from jawenv.base.files import check_kept, write_text
 from jawenv.commands.answer import UNKNOWN, as_mapping, assumed_in_words, print_belief
+from jawenv.commands.outputs import Answer, check_outputs
 from jawenv.commands.recordings import NOT_BELIEVABLE, page_writer
 from jawenv.metrics.calibration import alarm_word
-from jawenv.recordings.clocks.delay import in_time
 from jawenv.recordings.estimate import Array, Estimate
 from jawenv.recordings.files import load_record
 from jawenv.recordings.identification import Identification
@@ -28,8 +26,7 @@ def identify_together(
     paths: Sequence[Path],
     reading: Mapping[str, Any],
     page: Path | None,
-    answer: Path | None,
-    clocks: bool,
+    answer: Answer | None,
     check_only: bool,
 ) -> int:
     """Print what several recordings of one patient tell together, and whether they agree.
@@ -39,7 +36,6 @@ def identify_together(
         reading: arguments of ``load_record``.
         page: where the patient's page is written; None for nowhere.
         answer: where all is written as JSON; None for nowhere.
-        clocks: whether a delay of the forces is looked for.
         check_only: must be False.
 
     Returns:
@@ -49,25 +45,17 @@ def identify_together(
         raise InputError(f"--{'check' if check_only else 'before'} with several recordings; allowed: with one")
     if len(paths) > MOST:
         raise InputError(f"{len(paths)} recordings; allowed: 2 to {MOST}")
-    for output in (page, answer):
-        if output is not None:
-            check_kept(output, [*paths, reading.get("columns")])
-    if page is not None and answer is not None and page.resolve() == answer.resolve():
-        raise InputError(f"--page and --json are both {page}; allowed: two files")
+    check_outputs(page, answer, [*paths, *reading.values()])
     write_page = None if page is None else page_writer()
-    files = [load_record(path, UNKNOWN, **reading) for path in paths]
-    _check_distinct(paths, files)
-    records, found = [], []
-    for path, file in zip(paths, files, strict=True):
-        record, delay = file, None
-        if clocks:
-            record, delay = in_time(record)
+    records = [load_record(path, UNKNOWN, **reading) for path in paths]
+    _check_distinct(paths, records)
+    found = []
+    for path, record in zip(paths, records, strict=True):
         one, _ = identified_with_errors(record)
-        records.append(record)
-        found.append(replace(one, rival=f"{delay}") if delay and delay.too_late else one)
+        found.append(one)
         worst = f"largest error bar {one.estimate.sd[-1].max():.1%}"
         alarm = f"alarm {alarm_word(one.misfit)}, misfit {one.misfit:.3g}"
-        print(f"{path}: {record.time[-1]:g} s, {worst}; {alarm}{f'; {delay}' if delay else ''}")
+        print(f"{path}: {record.time[-1]:g} s, {worst}; {alarm}")
     agree, result = _together(records, found)
     print(f"assumed: {assumed_in_words(records[0])}")
     test = f"chi-squared {agree.squares:.3g} of {agree.degrees}, p {agree.p:.2g}"
@@ -78,9 +66,7 @@ def identify_together(
         if write_page is not None:
             print(f"\npage: {write_page(records[0], result, None, paths[0], page, assumed_in_words(records[0]))}")
     if answer is not None:
-        text = json.dumps(_mapping(paths, records, found, agree, result), indent=1)
-        write_text(answer, text + "\n")
-        print(f"\nanswer: {answer}")
+        answer.write(_mapping(paths, records, found, agree, result))
     if not believed:
         print("\nNOT TO BE BELIEVED:", flush=True)
         if not agree.one_patient:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,8 +10,8 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import MUSCLE_NAMES, cohort
 from jawenv.base.errors import InputError
-from jawenv.base.files import check_kept, write_text
 from jawenv.base.versions import package_versions
+from jawenv.commands.outputs import Answer, check_outputs
 from jawenv.metrics.diagnosis import MEASURED
 from jawenv.metrics.verdicts import NOT_MEASURED
 from jawenv.recordings.defaults import ANYONE
@@ -30,7 +28,9 @@ ALLOWED = ("cohort", "columns", "before")
 TELLS = "This log tells how stiff the jaw is, not where."
 
 
-def identify_log(table: RecordTable, reading: Mapping[str, Any], others: Mapping[str, Any], answer: Path | None) -> int:
+def identify_log(
+    table: RecordTable, reading: Mapping[str, Any], others: Mapping[str, Any], answer: Answer | None
+) -> int:
     """Print what a log of force and opening tells, and whether it is to be believed.
 
     Args:
@@ -47,8 +47,7 @@ def identify_log(table: RecordTable, reading: Mapping[str, Any], others: Mapping
         name, allowed = refused[0].removesuffix("_hz"), ", ".join(f"--{name}" for name in (*ALLOWED, "json"))
         raise InputError(f"{table.path}: --{name} with a log of force and opening; allowed: {allowed}")
     columns, before = reading["columns"], reading["before"]
-    if answer is not None:
-        check_kept(answer, [Path(table.path), columns, before])
+    check_outputs(None, answer, [table.path, *reading.values()])
     logs = [log_of_table(table, columns)]
     if before is not None:
         logs.append(log_of_table(read_table(checked_path(before), WORDS), columns))
@@ -61,8 +60,7 @@ def identify_log(table: RecordTable, reading: Mapping[str, Any], others: Mapping
         for name, ratio in changes(*found).items():
             print(f"{name:18} {_interval(ratio)} times")
     if answer is not None:
-        write_text(answer, json.dumps(as_mapping(found), indent=1) + "\n")
-        print(f"\nanswer: {answer}")
+        answer.write(as_mapping(found))
     for one in found:
         if not one.believed:
             print(f"\n{one.log.path}: NOT TO BE BELIEVED:", *(f"- {doubt}" for doubt in one.doubts), sep="\n")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from functools import partial
 from pathlib import Path
@@ -11,16 +10,13 @@ from typing import Any
 from jawenv.base.errors import InputError
 from jawenv.base.files import check_kept
 from jawenv.commands.answer import UNKNOWN, least_known
-from jawenv.commands.recordings import page_writer
 from jawenv.playing.maneuvers.written import save_maneuver
 from jawenv.recordings.files import load_record
 from jawenv.suggesting.lead import led_back
 from jawenv.suggesting.suggestion import BESIDE, suggest
 
 
-def suggest_next(
-    path: Path, output: Path, wanted: dict[str, Any], reading: dict[str, Any], overwrite: bool, page: Path | None = None
-) -> None:
+def suggest_next(path: Path, output: Path, wanted: dict[str, Any], reading: dict[str, Any], overwrite: bool) -> None:
     """Write the maneuver to record next, and say what it is expected to tell.
 
     Args:
@@ -29,15 +25,12 @@ def suggest_next(
         wanted: arguments of ``suggest``.
         reading: arguments of ``load_record``.
         overwrite: whether an older maneuver may be replaced.
-        page: where a page with the movement's film is written, by the clone's packages; None for nowhere.
     """
     if output.suffix != ".yaml":
         raise InputError(f"--output: {output}; allowed: a file that ends in .yaml")
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
-    write_page = None if page is None else page_writer("eval.report.suggested")
-    if page is not None:
-        check_kept(page, [path, output, reading.get("columns")])
+    check_kept(output, [path, *reading.values()])
     record = load_record(path, UNKNOWN, **reading)
     found = suggest(record, **wanted, told=partial(print, file=sys.stderr, flush=True))
     maneuver, before = led_back(record, found)
@@ -51,16 +44,6 @@ def suggest_next(
     print(f"expected after {found.seconds:g} s more: {_in_words(found.expected)}, {comfort}")
     print(f"in its place: the same again {found.again:.1%}, {BESIDE} {_in_words(found.beside)}")
     print(f"maneuver: {output}")
-    if write_page is not None:
-        rows = [
-            ("now", (found.worst_sd,)),
-            ("after the same again", (found.again,)),
-            (f"after {BESIDE}", (found.beside.median, found.beside.low, found.beside.high)),
-            (f"after this, {comfort}", (found.expected.median, found.expected.low, found.expected.high)),
-        ]
-        given = [f"--{name}={value}" for name, value in (wanted | reading).items() if value]
-        command = shlex.join(["jawenv", "suggest", str(path), "-o", str(output), "--page", str(page), *given])
-        print(f"page: {write_page(found, rows, least, page, command)}")
 
 
 def _in_words(expected: Any) -> str:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError, shown
 from jawenv.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_MOTION, TRUE_WRENCH, Column
+from jawenv.recordings.resampling import LARGEST_GAP
 from jawenv.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
@@ -77,12 +78,11 @@ def even_time(table: RecordTable) -> Array:
         jumps = np.flatnonzero(~((steps > 0.0) & (np.abs(steps - usual) <= JITTER * usual + resolution)))
         row = int(jumps[0]) if len(jumps) else int(np.argmax(off[1:]))
         value = f"{time[row + 1]:g}, {steps[row]:g} s after the row before"
-        raise table.fail(
-            TIME,
-            row + 1,
-            value,
-            f"even steps, {usual:g} s in most rows, give or take {JITTER:.0%}, or --resample HZ",
-        )
+        value += "" if len(jumps) else f" and {off[row + 1]:.2g} s off even times"
+        whole = bool(((steps > 0.0) & (steps <= LARGEST_GAP)).all())
+        way = "or --resample HZ of identify, suggest and import" if whole else "one take: cut the file before this row"
+        allowed = f"even steps, {usual:g} s in most rows, give or take {JITTER:.0%}, {way}"
+        raise table.fail(TIME, row + 1, value, allowed)
     even: Array = np.linspace(0.0, time[-1] - time[0], len(time))
     return even
 

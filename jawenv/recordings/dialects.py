@@ -13,8 +13,10 @@ from jawenv.base.reading import read_bytes
 LONGEST_LINE = 65_536
 """Characters of a row of names or numbers."""
 SEPARATORS = (";", "\t", ",")
+COMMENTS = ("#", "%", "//")
 MISSING = frozenset(("", "nan", "na", "n/a", "#n/a", "null", "none", "-", "-nan", "-nan(ind)", "1.#qnan"))
 _NUMBER = re.compile(r"[+-]?([0-9]+[.,]?[0-9]*|[.,][0-9]+)([eE][+-]?[0-9]+)?")
+_GROUPED = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 
 
@@ -22,7 +24,7 @@ _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 class _Sheet:
     """The cells of a file."""
 
-    comments: list[tuple[int, str]]  # number and text of the lines that begin with ``#``, above the names
+    comments: list[tuple[int, str]]  # number and text of the lines that begin with one of ``COMMENTS``, above the names
     names: list[str]  # of the columns
     units: list[str]  # what the row below the names says of their units; empty without such a row
     rows: list[list[str]]  # cells, as many as names
@@ -38,10 +40,10 @@ def read_sheet(path: Path, largest: int) -> _Sheet:
     numbered = list(enumerate(decoded(path, largest).splitlines(), 1))
     comments = []
     for number, line in numbered:
-        if line.strip() and not line.startswith("#"):
+        if line.strip() and not line.startswith(COMMENTS):
             break
         comments.append((number, line))
-    rows = [(number, line) for number, line in numbered if line.strip() and not line.startswith("#")]
+    rows = [(number, line) for number, line in numbered if line.strip() and not line.startswith(COMMENTS)]
     for number, line in rows:
         if len(line) > LONGEST_LINE:
             raise InputError(f"{path}: row {number} has {len(line):,} characters; allowed: {LONGEST_LINE:,} at most")
@@ -80,7 +82,8 @@ def _without_unnamed(path: Path, comments: list[tuple[int, str]], cells: list[li
     names = cells[0]
     for row, line in zip(cells, lines, strict=True):
         if len(row) != len(names):
-            raise InputError(f"{path}: row {line} has {len(row)} values; allowed: {len(names)}, one per column")
+            few = ", the first row holds their names" if len(row) > len(names) else ""
+            raise InputError(f"{path}: row {line} has {len(row)} values; allowed: {len(names)}, one per column{few}")
     named = [
         i
         for i, name in enumerate(names)
@@ -114,3 +117,9 @@ def number(cell: str) -> float | None:
 def decimal_signs(cells: list[list[str]]) -> set[str]:
     """The decimal signs, point or comma, that stand in the numbers."""
     return {sign for row in cells for cell in row for sign in ".," if sign in cell and _NUMBER.fullmatch(cell)}
+
+
+def grouped(cells: list[list[str]]) -> bool:
+    """Whether commas may set off thousands: all have three digits behind them, and none stands behind a lone 0."""
+    found = [cell.lstrip("+-") for row in cells for cell in row if "," in cell and _NUMBER.fullmatch(cell)]
+    return bool(found) and all(_GROUPED.fullmatch(cell) for cell in found)

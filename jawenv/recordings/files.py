@@ -26,7 +26,7 @@ from jawenv.recordings.given import given_errors, given_geometry, given_prior, g
 from jawenv.recordings.mapping import mapped, read_columns
 from jawenv.recordings.record import Record
 from jawenv.recordings.resampling import resampled
-from jawenv.recordings.series import encoders, samples, stacked, wrenches, written
+from jawenv.recordings.series import begun, encoders, line_variance, samples, stacked, wrenches, written
 from jawenv.recordings.table import RecordTable, checked_path, read_table, write_table
 from jawenv.recordings.words import WORDS, check_numbers, check_texts
 
@@ -78,6 +78,7 @@ def load_record(
     table = mapped(given, {} if columns is None else read_columns(Path(columns)))
     if resample_hz is not None:
         table = resampled(table, resample_hz)
+    table = begun(table)
     check_texts(table)
     header = {word: value for word, value in table.header.items() if _OVERRULED.get(word) not in settings}
     world = given_world(configuration or defaults.UNLABELLED, settings, header, table.path)
@@ -89,6 +90,7 @@ def load_record(
     check_columns(table)
     measured = encoders(table)
     errors = given_errors(world, header, float(time[1] - time[0]))
+    errors["wrench_sd"] = np.sqrt(errors["wrench_sd"] ** 2 + line_variance(table, errors["cell_sd"]))
     start, truth = header.get("start_mean"), header.get("truth")
     if start is None:
         start = defaults.motion_of_reading(jaw, measured[0], errors["measurement_sd"])

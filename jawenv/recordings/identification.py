@@ -30,7 +30,7 @@ class Identification:
     learnt_s: float  # time of the rows from which something was learnt: at the teeth nothing is
     refused: int  # rows whose readings the filter's gate did not learn from
     numbers: int  # read by encoders and load cell
-    left_out: int  # numbers out of range, or of a frozen sensor
+    left_out: int  # numbers out of range, or repeated
     misfit: float  # the filter's alarm; it rings above 1
     findings: tuple[Finding, ...]  # what the recording shows before the filter
     rival: str = ""  # what explains the readings as well and is not believed, in words

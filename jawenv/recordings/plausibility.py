@@ -11,6 +11,8 @@ from jawenv.device.device import Device
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings.record import Record
+from jawenv.recordings.resampling import LARGEST_GAP
+from jawenv.recordings.zero import LARGEST_CHANGE_N, change_of_zero
 
 Array = NDArray[np.float64]
 
@@ -33,6 +35,10 @@ MOVES_MM, TURNS = 5.0, 0.2
 """A mouthpiece that moves so far up and down turns by at least this share of a hinge's angle; radians are a 57th."""
 MOST = 99.0
 """Per cent of the readings that are looked at: of a few that are far off the filter makes nothing."""
+LEAST_READ, MOST_REPEATED = 0.8, 0.3
+"""Shares of the ticks: with a force, and with the same numbers as the tick before."""
+STEPS = 2.5
+"""By which numbers jump that were held: the smallest change of a column is a step."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,46 @@ def findings(record: Record) -> list[Finding]:
     rate = Finding(
         "time_s", f"{hz:.4g} Hz", "20 to 1000 Hz: seconds, no frame numbers", SLOWEST <= hz * 1.001 <= FASTEST
     )
-    return [rate, _length(record), *_motion(record), *_place(record), *_pitch(record), *_wrench(record), *_work(record)]
+    moved = [*_motion(record), *_place(record), *_pitch(record)]
+    return [rate, _length(record), *_read(record), *moved, *_wrench(record), *_work(record), *_zero(record)]
+
+
+def _read(record: Record) -> list[Finding]:
+    """Whether forces were read in most ticks, and whether each reading stands in the file once."""
+    found, cell = [], record.samples
+    if record.force_sensor == "cell":
+        share, gap = float(np.isfinite(cell).all(axis=(1, 2)).mean()), LARGEST_GAP
+        allowed = f"{100 * LEAST_READ:g} % or more: single readings at most {gap:g} s apart are joined, others are not"
+        value = f"read in {100.0 * share:.3g} % of the ticks"
+        found.append(Finding("force_*_N", value, allowed, share >= LEAST_READ, spoils=False))
+    noisy = record.cell_sd > 0.0  # one without noise may repeat itself, as when no motor pushes
+    pose = record.measured[:, :6]
+    pose = record.measured[:, :6]
+    groups = {"mouthpiece_*_mm, *_deg": (pose[:-1], pose[1:]), "force_*_N": (cell[:, 0, noisy], cell[:, 2, noisy])}
+    for columns, (before, after) in groups.items():
+        share = _repeated(before, after)
+        if share > MOST_REPEATED:
+            allowed = f"{100 * MOST_REPEATED:g} %: write a reading once, in its row, and leave the rows between empty"
+            found.append(Finding(columns, f"repeated readings in {100.0 * share:.3g} % of the rows", allowed, False))
+    return found
+
+
+def _repeated(before: Array, after: Array) -> float:
+    """Share of the ticks in which all numbers (T, n) stay equal before one jumps: held readings of a slower sensor.
+
+    A sensor that rounds to steps stays equal too, and then moves on by a step or two.
+    """
+    change = np.abs(after - before)
+    moved = np.where(change > 0.0, change, np.nan)
+    if np.isnan(moved).all():
+        return 0.0
+    columns = ~np.isnan(moved).all(axis=0)
+    jump = np.nan_to_num(moved[:, columns] / np.nanmin(moved[:, columns], axis=0)).max(axis=1)
+    moves = np.flatnonzero(jump)
+    equal = np.flatnonzero((jump == 0.0) & np.isfinite(change).any(axis=1))
+    after_them = np.searchsorted(moves, equal)
+    ended = after_them[after_them < len(moves)]
+    return float(np.sum(jump[moves[ended]] > STEPS) / len(change))
 
 
 def _length(record: Record) -> Finding:
@@ -137,3 +182,13 @@ def _work(record: Record) -> list[Finding]:
     share = float(power.sum() / np.abs(power).sum())
     allowed = f"above {100 * LEAST_WORK_SHARE:.0f} %: the force of the device on the jaw, no sign turned"
     return [Finding("force x velocity", f"{100 * share:.0f} % of the work opens", allowed, share > LEAST_WORK_SHARE)]
+
+
+def _zero(record: Record) -> list[Finding]:
+    """Whether the load cell shows the same at both ends, where they are told to compare."""
+    changed = change_of_zero(record)
+    if changed is None:
+        return []
+    value = f"differs by {changed:.2g} N between the ends, teeth together"
+    allowed = f"{LARGEST_CHANGE_N:g} N: let the cell warm up, tare it, record again"
+    return [Finding("zero of force_*_N", value, allowed, changed <= LARGEST_CHANGE_N, spoils=False)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,9 @@ from jawenv.base.errors import InputError
 from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings.checks import has_any
-from jawenv.recordings.columns import ENCODERS, READINGS, SAMPLES, Column
+from jawenv.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, Column
 from jawenv.recordings.record import Record
+from jawenv.recordings.resampling import on_lines
 from jawenv.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
@@ -30,14 +32,22 @@ def _column(table: RecordTable, column: Column) -> Array:
     return np.full(len(table.lines), np.nan) if values is None else values / column.scale
 
 
+def begun(table: RecordTable) -> RecordTable:
+    """The table from the first row on in which an encoder was read: a load cell may start before the tracker."""
+    read = np.isfinite([table.columns[each.name] for each in ENCODERS if each.name in table.columns]).any(axis=0)
+    first = int(np.argmax(read)) if np.any(read) else 0
+    if not first:
+        return table
+    columns = {name: values[first:] for name, values in table.columns.items()}
+    return replace(table, columns=columns, lines=table.lines[first:])
+
+
 def encoders(table: RecordTable) -> Array:
     """(T + 1, 12) readings, of which the first row has at least one."""
     measured = np.column_stack([_column(table, column) for column in ENCODERS])
     if not np.isfinite(measured[0]).any():
         allowed = ", ".join(column.name for column in ENCODERS)
-        raise InputError(
-            f"{table.path}: no encoder was read in row {table.lines[0]}; allowed: one or more of {allowed}"
-        )
+        raise InputError(f"{table.path}: no encoder was read; allowed: one or more of {allowed}")
     return measured
 
 
@@ -58,12 +68,36 @@ def wrenches(table: RecordTable, columns: tuple[Column, ...]) -> Array:
 
 
 def samples(table: RecordTable, slack: bool) -> Array:
-    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated."""
+    """(T, 3, 6) force at start, middle and end of each tick; between single readings it is interpolated."""
     form = SAMPLES if has_any(table, SAMPLES) else READINGS
     for column in form:
         if not (slack or np.isfinite(_column(table, column)).any()):
             raise table.fail(column.name, 0, "empty", "a reading of the load cell in one row or more")
     if form is SAMPLES:
         return wrenches(table, SAMPLES)
-    readings = np.column_stack([_column(table, column) for column in READINGS])
+    time = table.columns[TIME]
+    readings = np.column_stack([on_lines(time, _column(table, column), time) for column in READINGS])
     return np.stack([readings[:-1], 0.5 * (readings[:-1] + readings[1:]), readings[1:]], axis=1)
+
+
+def line_variance(table: RecordTable, cell_sd: Array) -> Array:
+    """(6,) variance of a tick's wrench by lines between readings of a cell slower than the rows; 0 for no such cell.
+
+    A reading counts in all ticks up to the next one, with its noise and with what the force bends away from the line:
+    errors that last for n ticks weigh as white ones of n times the variance.
+
+    Args:
+        table: of the file.
+        cell_sd: (6,) sd of the mean of the two readings of a tick.
+    """
+    variance = np.zeros(N_WRENCH)
+    if has_any(table, SAMPLES):
+        return variance
+    for k, column in enumerate(READINGS):
+        values = _column(table, column)
+        read = np.flatnonzero(~np.isnan(values))
+        if len(read) < 3 or (ticks := float(np.median(np.diff(read)))) < 2.0:
+            continue
+        bent = np.diff(values[read], 2) / np.sqrt(120.0)  # root mean square of a parabola about its chord
+        variance[k] = ticks * (2.0 * cell_sd[k] ** 2 + np.mean(bent**2))
+    return variance

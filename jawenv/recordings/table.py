@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError, shown
 from jawenv.base.files import atomic_write
-from jawenv.recordings.dialects import decimal_signs, number, read_sheet
+from jawenv.recordings.dialects import decimal_signs, grouped, number, read_sheet
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def _read_csv(path: Path, words: Collection[str]) -> RecordTable:
     sheet = read_sheet(path, LARGEST_RECORDING)
     header: dict[str, Any] = {}
     for line, comment in sheet.comments:
-        name, _, value = comment.lstrip("# ").partition(":")
+        name, _, value = comment.lstrip("#%/ ").partition(":")
         if name in words:
             try:
                 header[name] = json.loads(value)
@@ -112,6 +112,8 @@ def _read_csv(path: Path, words: Collection[str]) -> RecordTable:
                 ) from None
     if len(decimal_signs(sheet.rows)) > 1:
         raise InputError(f"{path}: has decimal points and decimal commas; allowed: one of the two")
+    if grouped(sheet.rows):
+        raise InputError(f"{path}: has numbers as 1,234 alone; allowed: numbers without separators of thousands")
     columns = {}
     for i, name in enumerate(sheet.names):
         numbers = [number(row[i]) for row in sheet.rows]

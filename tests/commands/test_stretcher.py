@@ -50,7 +50,7 @@ def test_an_earlier_log_gives_the_change(log, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("--page", "page.html"), ("--knowledge", "imaged"), ("--resample", "100"), ("--clocks", "")]
+    ("option", "value"), [("--page", "page.html"), ("--knowledge", "imaged"), ("--resample", "100")]
 )
 def test_options_of_six_forces_are_refused(log, tmp_path, capsys, option, value):
     assert main(["identify", str(log), option, *filter(None, [value])]) == 2

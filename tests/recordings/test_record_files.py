@@ -212,7 +212,7 @@ def test_the_start_is_the_motion_that_explains_the_first_reading(model):
         ([row.replace(",2,3,0.1", ",,3,0.1") for row in ROWS], HEADER, ["force_y_N", "row 2", "empty"]),
         ([ROWS[0], ROWS[1] + ",7", ROWS[2]], HEADER, ["row 3", "10 values", "9"]),
         ([ROWS[0].replace("80", "inf"), *ROWS[1:]], HEADER, ["mouthpiece_x_mm", "row 2", "infinite"]),
-        (["0,,,1,2,3,0.1,0.2,0.3", *ROWS[1:]], HEADER, ["no encoder", "row 2"]),
+        ([f"0.0{k},,,1,2,3,0.1,0.2,0.3" for k in range(3)], HEADER, ["no encoder was read"]),
         (ROWS[:1], HEADER, ["1 rows", "two"]),
         ([], HEADER, ["empty"]),
         (ROWS, "# model: 7\n" + HEADER, ["model", "7"]),

@@ -7,21 +7,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
-from jawenv.recordings.clocks.delay import delay_of
 from jawenv.recordings.columns import AXES
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import LARGEST_MISFIT, MOST_REFUSED, identified
 from jawenv.recordings.plausibility import SHORTEST_S, findings
 from jawenv.recordings.record import Record
+from jawenv.recordings.zero import LARGEST_CHANGE_N, NEAR_MM, UNSEEN_DRIFT, below_closed, change_of_zero
 
 _FIRST_S, _SHORT_S = 60.0, 5.0
 """Of a recording that is looked at, and of it for each frame that is tried."""
 _WINDOW_S, _SLOWEST, _FASTEST = 0.2, 0.9, 1.1
 """Way over the way by the velocities, in windows of so many seconds."""
 _START_S, _LARGEST_ZERO_N = 0.02, 0.7
-_NEAR_MM = 3.0
-"""From the closed jaw's place: the teeth are reached."""
 _BETTER = 0.5
 """Misfit in another frame over that as it is, at most."""
 
@@ -36,6 +33,11 @@ class _Check:
     mend: str = ""  # command or line of a mapping file
 
 
+_CLOCKS = _Check(
+    "clocks", "forces that are late cannot be seen: trigger both sensors, or use jawenv import --forces", True
+)
+
+
 def examined(record: Record) -> list[_Check]:
     """The checks of a recording's first minute, in the order in which a bench is put right.
 
@@ -44,6 +46,7 @@ def examined(record: Record) -> list[_Check]:
     if record.time[-1] < SHORTEST_S - 0.5 * record.dt:
         value = f"{record.time[-1]:g} s, allowed: {SHORTEST_S:g} s or more"
         return [_Check("length", value, False, "record longer: less is too short to judge")]
+    changed = change_of_zero(record)
     if record.time[-1] > _FIRST_S:
         record = record.until(_FIRST_S)
     rate = _rate(record)
@@ -51,7 +54,7 @@ def examined(record: Record) -> list[_Check]:
         return [rate]
     sign, record = _sign(record)
     frame, record = _frame(record)
-    return [rate, sign, frame, _zero(record), _clocks(record), _teeth(record)]
+    return [rate, sign, frame, _zero(record, changed), _CLOCKS, _teeth(record)]
 
 
 def _rate(record: Record) -> _Check:
@@ -146,35 +149,28 @@ def _lines(matrix: Array) -> list[str]:
     return [*lines, "moments alike"]
 
 
-def _from_closed(record: Record) -> Array:
-    """(T,) mm of the mouthpiece below its place with the jaw closed, NaN where not read."""
-    rows, closed = np.zeros((N_MEASUREMENTS, len(record.start_mean))), np.zeros(N_MEASUREMENTS)
-    measure(record.jaw, np.zeros(len(record.start_mean)), rows, closed)
-    below: Array = 1e3 * (closed[2] - record.measured[:, 2])
-    return below
-
-
-def _zero(record: Record) -> _Check:
-    """The force at the start, where the jaw rests and the device is slack."""
+def _zero(record: Record, changed: float | None) -> _Check:
+    """The force at the start, where the jaw rests and the device is slack, and whether the end shows the same."""
     first = record.samples[: max(1, round(_START_S / record.dt)), :, :3]
-    if not np.isfinite(first).any(axis=(0, 1)).all() or not _from_closed(record)[0] < _NEAR_MM:
+    if not np.isfinite(first).any(axis=(0, 1)).all() or not below_closed(record)[0] < NEAR_MM:
         return _Check("zero", "the recording does not begin with the jaw closed: nothing is shown", True)
     force = np.nanmean(first, axis=(0, 1))
     value = f"{', '.join(f'{x:.2f}' for x in force)} N at the start, allowed: {_LARGEST_ZERO_N:g} N each"
     mend = "tare the cell with the device slack, or begin the recording before it pulls"
-    return _Check("zero", value, bool(np.abs(force).max() <= _LARGEST_ZERO_N), mend)
-
-
-def _clocks(record: Record) -> _Check:
-    delay = delay_of(record)
-    mend = f"jawenv import MOTION --forces FORCES --offset {delay.seconds:.3f}; identify --clocks takes 30 ms out"
-    return _Check("clocks", f"{delay}", not delay.shown, mend)
+    fine = bool(np.abs(force).max() <= _LARGEST_ZERO_N)
+    if changed is None:
+        return _Check("zero", f"{value}; a drift cannot be seen: {UNSEEN_DRIFT}", fine, mend)
+    if fine and changed > LARGEST_CHANGE_N:
+        fine, mend = False, "let the cell warm up, tare it, record again"
+    return _Check(
+        "zero", f"{value}; {changed:.2g} N more or less at the end, allowed: {LARGEST_CHANGE_N:g} N", fine, mend
+    )
 
 
 def _teeth(record: Record) -> _Check:
-    below = _from_closed(record)
+    below = below_closed(record)
     if np.isnan(below).all():
         return _Check("teeth", "no height of the mouthpiece was read: nothing is shown", True)
     nearest = float(np.nanmin(below))
-    value = f"mouthpiece {nearest:.1f} mm below its place with the jaw closed at the least, allowed: {_NEAR_MM:g} mm"
-    return _Check("teeth", value, nearest <= _NEAR_MM, "begin with the teeth together")
+    value = f"mouthpiece {nearest:.1f} mm below its place with the jaw closed at the least, allowed: {NEAR_MM:g} mm"
+    return _Check("teeth", value, nearest <= NEAR_MM, "begin with the teeth together")

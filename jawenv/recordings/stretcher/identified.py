@@ -30,6 +30,7 @@ LIGHT = 0.01
 """Weight of a group below which none of its patients is drawn."""
 GRID_MM = 5.0
 HYSTERESIS_N = 0.5
+HELD_MM = 2.0  # below the widest opening at the end of a log without a return
 SIDES = {"left": "_left", "right": "_right"}
 
 
@@ -55,7 +56,12 @@ class Stretched:
         if self.misfit <= 1.0 and self.settled >= LEAST_SHARE:
             return []
         doubts = [f"no relaxed jaw of this cohort has such a curve: misfit {self.misfit:.3g}; allowed: 1"]
-        if self.hysteresis_N > HYSTERESIS_N:
+        if self.hysteresis_N > HYSTERESIS_N and self.log.opening.max() - self.log.opening[-1] < HELD_MM:
+            doubts.append(
+                f"the force falls by {self.hysteresis_N:.2g} N while the opening is held: muscles that relax; allowed: "
+                "an opening alone, so cut the log where it stops"
+            )
+        elif self.hysteresis_N > HYSTERESIS_N:
             doubts.append(
                 f"at the same openings the return takes {self.hysteresis_N:.2g} N less than the opening: muscles that "
                 "creep, or a jaw that yields; allowed: the same force on both ways"

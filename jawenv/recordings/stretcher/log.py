@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,7 @@ COLUMNS = (TIME, OPENING, FORCE)
 LIMITS = {OPENING: (-10.0, 80.0), FORCE: (-20.0, 100.0)}
 LEAST_ROWS, LEAST_OPENING_MM, LEAST_FORCE_N = 60, 5.0, 2.0
 MOST_WINDOWS, ROWS_OF_A_WINDOW = 30, 6
+SIGN = ", the force that opens the jaw (else sign = -1 in --columns FILE)"
 LEAST_NOISE = 0.02
 """mm and N: digits that a log may leave out."""
 
@@ -74,14 +75,17 @@ def log_of_table(table: RecordTable, columns: Path | None = None) -> StretchLog:
     for name in table.columns:
         if name not in COLUMNS:
             raise InputError(f"{table.path}: column {name} is unknown; allowed: {', '.join(COLUMNS)}")
+    read = np.all([~np.isnan(table.columns[name]) for name in COLUMNS], axis=0)
+    table = replace(table, columns={name: table.columns[name][read] for name in COLUMNS}, lines=table.lines[read])
     for name in COLUMNS:
         low, high = LIMITS.get(name, (-np.inf, np.inf))
         values = table.columns[name]
         bad = np.flatnonzero(~(np.isfinite(values) & (values >= low) & (values <= high)))
         if len(bad):
-            allowed = f"{low:g} to {high:g}" if name in LIMITS else "a finite number"
+            allowed = f"{low:g} to {high:g}{SIGN * (name == FORCE)}" if name in LIMITS else "a finite number"
             raise table.fail(name, int(bad[0]), f"{values[bad[0]]:g}", allowed)
     time, opening, force = (table.columns[name] for name in COLUMNS)
+    time = _spread(time)
     if len(time) < LEAST_ROWS:
         raise InputError(f"{table.path}: has {len(time)} rows; allowed: {LEAST_ROWS} or more")
     back = np.flatnonzero(np.diff(time) <= 0.0)
@@ -90,7 +94,22 @@ def log_of_table(table: RecordTable, columns: Path | None = None) -> StretchLog:
     for name, values, least in ((OPENING, opening, LEAST_OPENING_MM), (FORCE, force, LEAST_FORCE_N)):
         if np.ptp(values) < least:
             raise InputError(f"{table.path}: {name} changes by {np.ptp(values):.2g}; allowed: {least:g} or more")
+    wide = opening >= np.quantile(opening, 0.75)
+    if force[wide].mean() < min(force[~wide].mean(), 0.0):
+        raise InputError(
+            f"{table.path}: {FORCE} is {force[wide].mean():.3g} where the jaw is open; allowed: 0 on{SIGN}"
+        )
     return StretchLog(table.path, time, opening, force, float(table.header.get("head_tilt_deg", 0.0)))
+
+
+def _spread(time: Array) -> Array:
+    """Times of which several rows have the same, as in whole seconds, spread evenly up to the next."""
+    stamps, first = np.unique(time, return_index=True)
+    if len(stamps) < 3 or (np.diff(time) < 0.0).any():
+        return time
+    rows, last = np.append(first, len(time)), 2.0 * stamps[-1] - stamps[-2]
+    spread: Array = np.interp(np.arange(len(time)), rows, np.append(stamps, last))
+    return spread
 
 
 def log_of_record(

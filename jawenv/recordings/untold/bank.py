@@ -1,6 +1,6 @@
-"""Sizes of errors that nobody told, each weighed by its evidence: a scan's, a wrench of no muscle, laws that bend.
+"""Sizes of errors that nobody told, each weighed by its evidence: a scan's, a wrench, a drift of zero, bent laws.
 
-For every four sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
+For every five sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
 probable values a normal belief is laid (Laplace). Beforehand 0.9 of the weight is on a size of zero, also of a wrench
 that the filter was told of: a fixed sd of 0.1 N would double the error bars of recordings that need none.
 """
@@ -19,10 +19,14 @@ from jawenv.recordings.untold.law import bends, tensions
 _SCANS = (0.0, 1.0)
 _CONSTANTS = (0.0, 0.03, 0.1, 0.3)
 _SHAPES = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0)
+_DRIFTS = (0.0, 0.3, 1.0)
 LAWS = (0.0, 0.03, 0.1, 0.3)
-LEVELS = _SCANS, _CONSTANTS, _SHAPES, LAWS
+LEVELS = _SCANS, _CONSTANTS, _SHAPES, _DRIFTS, LAWS
+DRIFT = 3
 SIZES = np.array(list(product(*LEVELS)))
-"""(192, 4) share of a scan's sds; sds of a wrench's constants, N, and other shapes, N; of bends, share of a tension."""
+"""(576, 5) share of a scan's sds; sds of a wrench's constants, N, of its other shapes, N, of the drift of the cell's
+zero over a third of the recording, N; of bends, share of a tension.
+"""
 _TOLD = 0.9
 _EFFORT, _LONG = (12, 6), (80, 14)
 """Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
@@ -42,8 +46,8 @@ class Mixture:
     cov: Array  # (p, p)
     weights: Array  # (N,) of the sizes
     best: Array  # (p,) the mean under the most probable sizes
-    sizes: Array  # (4,) these
-    every: Array  # (N, 4) all sizes
+    sizes: Array  # (5,) these
+    every: Array  # (N, 5) all sizes
     information: Array  # (c, c) about the tensions under the most probable sizes
     score: Array  # (c,) the same
 
@@ -100,15 +104,6 @@ def mixture(blocks: Blocks, temperature: float) -> Mixture:
     return Mixture(mean, 0.5 * (cov + cov.T), weights, *best)
 
 
-def evidence(blocks: Blocks) -> float:
-    """Logarithm of the probability of the readings, all unknowns of the sizes that were told integrated out."""
-    told = float(blocks.told_scan)
-    sizes = np.tile([told, blocks.told_wrench, blocks.told_wrench, 0.0], (len(LAWS), 1))
-    information, score, gained = (part[:1] for part in _about_tensions(blocks, 1.0, sizes))
-    heights = _most_probable(blocks, information, score, blocks.point[None])[2]
-    return float(blocks.height + gained[0] + heights[0])
-
-
 def _beforehand(sizes: Array) -> Array:
     """(N,) logarithms of the weights before anything is read; a wrench that the filter was told of is learnt too."""
     weights = np.zeros(len(sizes))
@@ -125,7 +120,7 @@ def _about_tensions(blocks: Blocks, temperature: float, sizes: Array) -> tuple[A
     shared = sds * np.column_stack([total[c:, :c], score[c:]])
     parts = _without(sds * total[c:, c:] * np.swapaxes(sds, 1, 2), shared, total[:c, :c], score[:c])
     information, pulled, evidence = (np.repeat(part, len(LAWS), axis=0) for part in parts)
-    bent = sizes[:, 3, None, None] * bends(blocks).T
+    bent = sizes[:, -1, None, None] * bends(blocks).T
     turned = bent @ information
     shared = np.concatenate([turned, bent @ pulled[:, :, None]], axis=2)
     information, pulled, more = _without(turned @ np.swapaxes(bent, 1, 2), shared, information, pulled)

@@ -39,18 +39,20 @@ _OF_A_SESSION = ("gravity", "tone", "mouthpiece", "offset", "turn", "cell_turn",
 """What moves one of these is drawn anew with each mounting; all else is the patient's own."""
 N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
+_STRETCHES = 3  # of a recording, over each of which the load cell's zero may drift by a number of its own
+N_OF_DRIFT = _STRETCHES * _N_CONSTANT
+_LINEAR = 2.5  # prior sds of an unknown from its nominal value within which the motion is linearised
 
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """The log-likelihood of B blocks, quadratic in n columns: tensions, gain, other unknowns, wrench.
+    """The log-likelihood of B blocks, quadratic in n columns: tensions, gain, other unknowns, drift of zero, wrench.
 
     The c columns of tensions count from the point, all others from 0.
     """
 
     information: Array  # (B, n, n)
     score: Array  # (B, n)
-    height: float  # the log-likelihood where all columns are 0, but for a number that is the same for all forces
     poses: Array  # (B, 5) at their ends
     own: NDArray[np.bool_]  # (n - c,) which columns behind the tensions are the patient's own
     gain_sd: float  # of the load cell's gain error
@@ -69,19 +71,19 @@ class Blocks:
 
     def unknowns(self) -> Array:
         """(n - c,) most probable values of the columns behind the tensions, for the muscles of the point."""
-        sds, c = self.sds(np.array([[1.0, self.told_wrench, self.told_wrench, 0.0]]))[0], self.tensions
+        sds, c = self.sds(np.array([[1.0, self.told_wrench, self.told_wrench, 0.0, 0.0]]))[0], self.tensions
         inner = sds[:, None] * self.information.sum(axis=0)[c:, c:] * sds + np.eye(len(sds))
         values: Array = sds * np.linalg.solve(inner, sds * self.score.sum(axis=0)[c:])
         return values
 
     def sds(self, sizes: Array) -> Array:
         """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``bank.SIZES``."""
-        others = self.score.shape[1] - self.tensions - 1 - N_OF_WRENCH
-        scan, constant, shapes, _ = (sizes[:, j, None] for j in range(4))
+        others = self.score.shape[1] - self.tensions - 1 - N_OF_DRIFT - N_OF_WRENCH
+        scan, constant, shapes, drift = (sizes[:, j, None] for j in range(4))
         gain = np.full((len(sizes), 1), self.gain_sd)
         known = np.repeat(np.ones_like(scan) if self.told_scan else scan, others, axis=1)
         wrench = np.repeat(constant, _N_CONSTANT, axis=1), np.repeat(shapes, N_OF_WRENCH - _N_CONSTANT, axis=1)
-        return np.hstack([gain, known, *wrench])
+        return np.hstack([gain, known, np.repeat(drift, N_OF_DRIFT, axis=1), *wrench])
 
 
 def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blocks:
@@ -98,7 +100,7 @@ def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blo
     settings, told = _settings(record)
     if unknowns is not None:
         return _blocks_at(record, settings, mean, unknowns)
-    unknowns = np.zeros(1 + len(settings["nuisances"]["mass"]))
+    unknowns = np.zeros(1 + len(settings["nuisances"]["mass"]) + N_OF_DRIFT)
     for _ in range(_MOST_PASSES):
         blocks = _blocks_at(record, settings, mean, unknowns)
         before, unknowns = unknowns, blocks.unknowns()
@@ -117,23 +119,25 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     rows: Any = record_zeros(len(record.time), ROW)
     rows["measured"], rows["samples"][1:], belief["began"] = record.measured, record.samples, record.start_mean
     order, steps = _order(muscles * N_NODES, nuisances), np.zeros(len(belief["score"]))
-    steps[order[-sizes[0] :]] = np.clip(unknowns[1:], -FARTHEST, FARTHEST)
+    of_motion = np.delete(unknowns[1:], slice(-N_OF_WRENCH - N_OF_DRIFT, -N_OF_WRENCH))
+    steps[order[-sizes[0] :]] = np.clip(of_motion, -_LINEAR, _LINEAR)
     if sizes[1]:  # beside a disturbance with memory these stay where they are (``learn.recentre``)
         steps[muscles * N_NODES + 1 :][: sizes[0]][nuisances["at_rest"] == 0] = 0.0
     every = max(1, round(BLOCK_S / record.dt), -(-len(record.samples) // MOST_BLOCKS))
     columns = len(steps)
     count = len(record.samples) // every
-    kept = np.zeros((count, columns, columns)), np.zeros((count, columns)), np.zeros((count, 5)), np.zeros(count)
+    kept = np.zeros((count, columns, columns)), np.zeros((count, columns)), np.zeros((count, 5))
     _pass_through(jaw, belief, rows, settings, scratch, (mean.copy(), steps), every, kept)
     information = np.triu(kept[0]) + np.swapaxes(np.triu(kept[0], 1), 1, 2)
     information = np.diff(information[:, order][:, :, order], axis=0, prepend=0.0)
     score = np.diff(kept[1][:, order], axis=0, prepend=0.0) + information @ steps[order]
+    information, score = _drifting(information, score)
+    own = _own(nuisances)[order[muscles * N_NODES :] - muscles * N_NODES]
     return Blocks(
         information=information,
         score=score,
-        height=_at_zero(kept[3], information, score, steps[order]),
         poses=kept[2],
-        own=_own(nuisances)[order[muscles * N_NODES :] - muscles * N_NODES],
+        own=np.insert(own, [len(own) - N_OF_WRENCH] * N_OF_DRIFT, False),
         gain_sd=float(np.sqrt(settings["gain_variance"])),
         told_scan=not record.knowledge.exact,
         told_wrench=record.knowledge.wrench_N,
@@ -145,11 +149,18 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     )
 
 
-def _at_zero(heights: Array, information: Array, score: Array, steps: Array) -> float:
-    """The log-likelihood where all columns are 0, from that at ``steps``, the last of the sums ``heights``."""
-    if not len(heights):
-        return 0.0
-    return float(heights[-1] - score.sum(axis=0) @ steps + 0.5 * steps @ information.sum(axis=0) @ steps)
+def _drifting(information: Array, score: Array) -> tuple[Array, Array]:
+    """The same with columns of a zero that drifts by a number over each stretch, and keeps it from there on."""
+    count, columns = score.shape
+    constant = np.arange(columns - N_OF_WRENCH, columns - N_OF_WRENCH + _N_CONSTANT)
+    share = np.clip(_STRETCHES * (np.arange(count)[:, None] + 0.5) / count - np.arange(_STRETCHES), 0.0, 1.0)
+    full = np.zeros((count, columns, columns + N_OF_DRIFT))  # columns of the old ones by the new
+    kept = np.delete(np.arange(columns + N_OF_DRIFT), np.arange(constant[0], constant[0] + N_OF_DRIFT))
+    full[:, np.arange(columns), kept] = 1.0
+    for stretch in range(_STRETCHES):
+        full[:, constant, constant + stretch * _N_CONSTANT] = share[:, stretch, None]
+    turned = np.swapaxes(full, 1, 2)
+    return turned @ information @ full, np.einsum("bnc,bc->bn", turned, score)
 
 
 def _settings(record: Record) -> tuple[Any, bool]:
@@ -183,12 +194,11 @@ def _pass_through(
 ) -> None:
     """Filter ``rows`` about a fixed ``point``: natural logs, and all columns as steps from 0.
 
-    After ``every`` ticks information, score, pose and log-likelihood go to the arrays ``kept``, as sums from the first
+    After ``every`` ticks information, score and pose go to the arrays ``kept``, the former as sums from the first
     reading on.
     """
     mean, steps = point
-    information, score, poses, heights = kept
-    height, before = 0.0, np.zeros(steps.shape[0])
+    information, score, poses = kept
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     begin_filter(jaw, belief, belief.began, settings)
     belief.mean[:] = mean
@@ -203,28 +213,10 @@ def _pass_through(
     begin_motion(belief, belief.began, settings.start_sd)
     forget_readings(belief)
     for k in range(rows.shape[0]):
-        before[:] = belief.score
         take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
-        height += _height(belief, before, scratch)
         if k > 0 and k % every == 0 and k // every <= information.shape[0]:
             block = k // every - 1
             information[block] = belief.information
             score[block] = belief.score
-            heights[block] = height
             for i in range(5):
                 poses[block, i] = belief.motion[i]
-
-
-@njit
-def _height(belief: Belief, before, scratch: FilterScratch):
-    """Log-density of the tick's readings, by the weight with which they were added to the score ``before``."""
-    update, pulled, length, density = scratch.update, 0.0, 0.0, 0.0
-    for j in range(before.shape[0]):
-        pull = 0.0
-        for i in range(update.whitened_innovation.shape[0]):
-            pull += update.by_tension_rows[i, j] * update.whitened_innovation[i]
-        pulled += pull * (belief.score[j] - before[j])
-        length += pull * pull
-    for i in range(update.whitened_innovation.shape[0]):
-        density += 0.5 - 0.5 * update.whitened_innovation[i] ** 2
-    return pulled / length * density if length > 0.0 else 0.0

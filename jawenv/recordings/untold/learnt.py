@@ -24,6 +24,7 @@ _BENT = 3.0
 _MOVED = 0.1  # of a natural logarithm, from where the motion is linearised anew
 _FEWEST = 10
 """Blocks of which groups can be left out."""
+_CONTRADICTION = "errors that nobody told cannot be weighed, the readings contradict each other"
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +33,7 @@ class Learnt:
 
     mean: Array  # (p,) natural logs; the filter's own where no normal describes what the readings allow
     cov: Array  # (p, p) the same
-    sizes: Array  # (4,) the most probable, see ``bank.SIZES``
+    sizes: Array  # (5,) the most probable, see ``bank.SIZES``
     shown: Shown  # the reasons, to be drawn
     rival: Array | None  # (p,) parameters that explain the readings as well, and that the belief excludes
 
@@ -78,7 +79,10 @@ def identified_with_errors(record: Record) -> tuple[Identification, Learnt | Non
     """The identification of a recording whose last belief has learnt the sizes of errors, and that belief."""
     found = identified(record)
     mean, cov = found.estimate.mean.copy(), found.estimate.cov.copy()
-    last = learnt(record, mean[-1], cov[-1])
+    try:
+        last = learnt(record, mean[-1], cov[-1])
+    except np.linalg.LinAlgError:  # of readings that no jaw makes
+        return replace(found, rival=_CONTRADICTION), None
     if last is None:
         return found, None
     mean[-1], cov[-1] = last.mean, last.cov

@@ -28,7 +28,7 @@ class _Joint:
 
 def joint_of(blocks: Blocks, theta: Array, sizes: Array, temperature: float) -> _Joint:
     """The joint mode under some sizes, at given parameters ``theta`` (p,)."""
-    c, law = blocks.tensions, sizes[3]
+    c, law = blocks.tensions, sizes[-1]
     total, score = blocks.information.sum(axis=0) / temperature, blocks.score.sum(axis=0) / temperature
     sds = blocks.sds(sizes[None])[0]
     shown = sds > 0.0
@@ -54,13 +54,13 @@ def disagreement(blocks: Blocks, joint: _Joint, groups: NDArray[np.intp], temper
         told.append(inside / temperature)
         pulled.append(joint.directions.T @ left[chosen].sum(axis=0) / temperature)
     whole = np.sum(told, axis=0) + np.eye(len(told[0]))
-    cov = np.linalg.inv(whole)
-    root = np.linalg.inv(np.linalg.cholesky(cov[:parameters, :parameters]))
+    last = np.roll(np.arange(len(whole)), -parameters)  # the parameters, so that their factor is of their own precision
+    root = np.linalg.cholesky(whole[np.ix_(last, last)])[-parameters:, -parameters:].T
     squares, degrees = np.zeros(len(told)), np.zeros(len(told))
     eye = np.eye(len(whole))[:, :parameters]
     for k, (inside, score) in enumerate(zip(told, pulled, strict=True)):
         solved = np.linalg.solve(whole - inside, np.column_stack([eye, score]))[:parameters]
-        wider = root @ (solved[:, :parameters] - cov[:parameters, :parameters]) @ root.T
+        wider = root @ solved[:, :parameters] @ root.T - np.eye(parameters)
         sizes, axes = np.linalg.eigh(0.5 * (wider + wider.T))
         away = axes.T @ root @ solved[:, parameters]
         telling = sizes > _TELLING

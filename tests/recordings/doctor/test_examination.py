@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from jawenv.commands.app import main
-from jawenv.recordings.clocks.delay import _shifted
 from jawenv.recordings.doctor.examination import examined
 from tests.recordings.several.test_together import played, saved
 
@@ -21,12 +20,10 @@ def faulty(fault):
     if fault == "teeth":
         measured[:, 2] -= 0.02
     changed = replace(record, samples=-samples if fault == "sign" else samples, measured=measured)
-    if fault == "clocks":
-        return _shifted(changed, -0.05)
     return replace(changed, time=2.0 * changed.time) if fault == "rate" else changed
 
 
-@pytest.mark.parametrize("fault", ["zero", "sign", "frame", "rate", "clocks", "teeth"])
+@pytest.mark.parametrize("fault", ["zero", "sign", "frame", "rate", "teeth"])
 def test_a_fault_is_named_and_mended(fault):
     named = {check.what: check for check in examined(faulty(fault)) if not check.fine}
     assert fault in named and named[fault].mend

@@ -16,7 +16,7 @@ from jawenv.filter.nuisances.directions import directions
 from jawenv.filter.nuisances.unknowns import own_values
 from jawenv.recordings.files import save_record
 from jawenv.recordings.several.together import _Several, agreement, together
-from jawenv.recordings.untold.blocks import N_OF_WRENCH, blocks_of
+from jawenv.recordings.untold.blocks import N_OF_DRIFT, N_OF_WRENCH, blocks_of
 
 SECONDS = 6.0
 
@@ -40,7 +40,7 @@ def test_the_patients_own_columns_are_those_of_the_anatomy():
     own = np.array([own_values(values).any() for values in sds])
     assert blocks.own.sum() == own.sum() > 30 and not blocks.own[0] and not blocks.own[-N_OF_WRENCH:].any()
     np.testing.assert_array_equal(
-        blocks.own[1:-N_OF_WRENCH],
+        blocks.own[1 : -N_OF_DRIFT - N_OF_WRENCH],
         own[~np.isin(np.arange(len(own)), np.flatnonzero([np.any(values["wrench"]) for values in sds]))],
     )
 
@@ -53,7 +53,7 @@ def test_blocks_beside_each_other_share_muscles_and_anatomy_alone():
     total = sum(part.information.sum(axis=0)[:30, :30] for part in parts)
     np.testing.assert_allclose(whole.information.sum(axis=0)[:30, :30], total)
     for part, place in zip(whole.parts, whole.places, strict=True):
-        np.testing.assert_array_equal(whole.sds(np.ones((2, 4)))[:, place[30:] - 30], part.sds(np.ones((2, 4))))
+        np.testing.assert_array_equal(whole.sds(np.ones((2, 5)))[:, place[30:] - 30], part.sds(np.ones((2, 5))))
     first, second = (set(place) for place in whole.places)
     assert len(first & second) == 30 + parts[0].own.sum()
 

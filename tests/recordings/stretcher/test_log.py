@@ -38,16 +38,26 @@ def test_a_mapping_says_names_and_units(tmp_path):
     np.testing.assert_allclose([read.opening, read.force], [LOG.opening, LOG.force], atol=1e-3)
 
 
+def test_rows_with_a_blank_are_left_out_and_equal_stamps_are_spread(tmp_path):
+    blank = np.where(np.arange(300) == 4, np.nan, LOG.opening)
+    read = log_of_table(table(replace(LOG, opening=blank), tmp_path / "log.csv"))
+    assert len(read.time) == 299 and not np.isnan(read.opening).any()
+    whole = np.floor(LOG.time)
+    read = log_of_table(table(replace(LOG, time=whole), tmp_path / "log.csv"))
+    assert (np.diff(read.time) > 0.0).all() and np.abs(read.time - whole).max() <= 1.0
+
+
 @pytest.mark.parametrize(
     ("changed", "names", "told"),
     [
         ({}, ("time_s", "opening_mm", "Fz"), "column force_N is missing; allowed: time_s, opening_mm, force_N"),
         (
-            {"opening": np.where(np.arange(300) == 4, np.nan, LOG.opening)},
+            {"opening": np.where(np.arange(300) == 4, 99.0, LOG.opening)},
             COLUMNS,
-            "opening_mm in row 6 is nan; allowed: -10 to 80",
+            "opening_mm in row 6 is 99; allowed: -10 to 80",
         ),
         ({"force": 20.0 * LOG.force}, COLUMNS, "allowed: -20 to 100"),
+        ({"force": -LOG.force}, COLUMNS, "the force that opens the jaw (else sign = -1 in --columns FILE)"),
         ({"opening": 1e-3 * LOG.opening}, COLUMNS, "opening_mm changes by 0.0"),
         ({"force": 0.0 * LOG.force}, COLUMNS, "force_N changes by 0; allowed: 2 or more"),
         (

@@ -14,7 +14,7 @@ from jawenv.metrics.calibration import nees
 from jawenv.recordings.identification import identified
 from jawenv.recordings.untold import bank, law
 from jawenv.recordings.untold import blocks as parts
-from jawenv.recordings.untold.blocks import N_OF_WRENCH, Blocks, blocks_of
+from jawenv.recordings.untold.blocks import N_OF_DRIFT, N_OF_WRENCH, Blocks, blocks_of
 from jawenv.recordings.untold.learnt import identified_with_errors, learnt, learnt_beliefs
 from jawenv.recordings.untold.temperature import excess, joint_of
 from research.untold import Sines
@@ -47,7 +47,7 @@ def blocks(rng):
     basis = build_basis(build_jaw(), PRIOR)[0]
     nominal = np.zeros((6, 5))
     set_coefficients(basis, PRIOR.mean, nominal)
-    columns, count = 30 + 1 + 4 + N_OF_WRENCH, 40
+    columns, count = 30 + 1 + 4 + N_OF_DRIFT + N_OF_WRENCH, 40
     rows = rng.normal(size=(count, 60, columns))
     rows[:, :, :30] /= np.abs(nominal).max()
     truth = np.zeros(columns)
@@ -66,7 +66,6 @@ def blocks(rng):
         nominal=nominal,
         prior_mean=PRIOR.mean,
         prior_sd=PRIOR.sd,
-        height=0.0,
     ), truth
 
 
@@ -100,14 +99,14 @@ def test_bends_change_a_law_by_as_much_as_they_say_and_as_no_parameter_does(bloc
 
 def test_what_is_integrated_out_leaves_what_dense_covariances_leave(blocks):
     one, _ = blocks
-    sizes = np.array([[1.0, 0.1, 0.3, law_size] for law_size in bank.LAWS])
+    sizes = np.array([[1.0, 0.1, 0.3, 0.3, law_size] for law_size in bank.LAWS])
     information, score, _ = bank._about_tensions(one, 2.0, sizes)
     total, pulled = one.information.sum(axis=0) / 2.0, one.score.sum(axis=0) / 2.0
     prior = np.concatenate([np.zeros(30), one.sds(sizes[:1])[0] ** -2.0])
     cov = np.linalg.inv(total + np.diag(prior))
     np.testing.assert_allclose(np.linalg.inv(information[0]), cov[:30, :30], rtol=1e-6, atol=1e-12)
     np.testing.assert_allclose(np.linalg.solve(information[0], score[0]), (cov @ pulled)[:30], rtol=1e-5, atol=1e-9)
-    bent = sizes[2, 3] * law.bends(one)
+    bent = sizes[2, -1] * law.bends(one)
     wider = np.linalg.inv(information[0]) + bent @ bent.T
     np.testing.assert_allclose(np.linalg.inv(information[2]), wider, rtol=1e-4, atol=1e-5)
 
@@ -115,9 +114,9 @@ def test_what_is_integrated_out_leaves_what_dense_covariances_leave(blocks):
 def test_a_size_that_is_there_is_found_and_one_that_is_not_is_zero(blocks):
     one, _ = blocks
     found = bank.mixture(one, 1.0)
-    np.testing.assert_allclose(found.sizes, [1.0, 0.1, 0.1, 0.0])
+    np.testing.assert_allclose(found.sizes, [1.0, 0.1, 0.1, 0.0, 0.0])
     without = replace(one, score=np.einsum("bij,j->bi", one.information, np.zeros(one.score.shape[1])))
-    np.testing.assert_array_equal(bank.mixture(without, 1.0).sizes, [1.0, 0.0, 0.0, 0.0])
+    np.testing.assert_array_equal(bank.mixture(without, 1.0).sizes, [1.0, 0.0, 0.0, 0.0, 0.0])
 
 
 def test_two_muscles_that_explain_each_others_readings_are_rivals_and_their_valley_is_bent(blocks):
@@ -131,7 +130,7 @@ def test_two_muscles_that_explain_each_others_readings_are_rivals_and_their_vall
     information, score = precise * np.outer(row, row), precise * row * 30.0 * usual
     start = PRIOR.mean + np.array([4.0, *np.zeros(11)])
     modes, covs, _ = bank._most_probable(wide, information[None], score[None], start[None], bank._LONG)
-    found = bank.Mixture(modes[0], covs[0], np.ones(1), modes[0], np.zeros(4), np.zeros((1, 4)), information, score)
+    found = bank.Mixture(modes[0], covs[0], np.ones(1), modes[0], np.zeros(5), np.zeros((1, 5)), information, score)
     rival = found.rival(wide, modes[0], covs[0])
     np.testing.assert_allclose(rival[2:4] - rival[:2], modes[0][:2] - modes[0][2:4], atol=0.2)
     assert rival[2] - modes[0][2] > 2.0 and found.bend(wide) > 2.0
@@ -214,6 +213,8 @@ def test_a_long_recording_has_no_more_blocks_than_memory_takes(monkeypatch):
     monkeypatch.setattr(parts, "MOST_BLOCKS", 10)
     longer = blocks_of(record, mean)
     assert (len(whole.score), len(longer.score)) == (40, 10)
-    for name in ("information", "score"):
-        one, other = (getattr(part, name).sum(axis=0) for part in (whole, longer))
+    still = np.delete(np.arange(whole.score.shape[1]), slice(-N_OF_DRIFT - N_OF_WRENCH, -N_OF_WRENCH))
+    for name in ("information", "score"):  # but for the drift, whose steps are as long as the blocks
+        one, other = (getattr(part, name).sum(axis=0)[still] for part in (whole, longer))
+        one, other = (part[..., still] if part.ndim > 1 else part for part in (one, other))
         np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-9 * np.abs(one).max())

@@ -1,1 +1,0 @@
-"""Two clocks of one recording: how late its forces are."""
