@@ -19,6 +19,7 @@ import numpy as np
 import jawenv
 from agents.registry import load_agent
 from eval.figures import statistics, words
+from eval.rows.outcomes import verdicts_s
 from jawenv.anatomy import COHORTS
 from jawenv.base.seeds import REPORTS
 from jawenv.metrics import time_to
@@ -35,6 +36,7 @@ _HEADINGS = (
     "above, %, free → kept",
     "s to 5 %",
     "nine in ten",
+    "s to verdicts",
     "NEES/12",
 )
 
@@ -47,6 +49,7 @@ class _Played(NamedTuple):
     nees: Array  # (N,) over the parameters
     discomfort_s: Array  # (N,)
     sure_s: Array  # (N,) until all error bars are within ``SURE``, at most ``SECONDS``
+    verdicts_s: Array  # (N,) until the data have a verdict on every muscle, at most ``SECONDS``
 
 
 @cache
@@ -65,6 +68,7 @@ def _played(entry: str, cohort: str, env_id: str, budget_s: float | None, patien
         (error * solved).mean(axis=1),
         jawenv.score(recording).discomfort_s,
         sure,
+        np.minimum(verdicts_s(recording), _SECONDS),
     )
 
 
@@ -81,6 +85,7 @@ def _row(entry: str, cohort: str, env_id: str, patients: int) -> list[str]:
         " → ".join(above),
         f"{kept.sure_s.mean():.2f}",
         f"{np.quantile(kept.sure_s, 0.9):.1f}",
+        words.with_interval(statistics.mean(kept.verdicts_s), 2),
         f"{kept.nees.mean():.2f}",
     ]
 

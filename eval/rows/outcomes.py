@@ -88,7 +88,7 @@ def outcomes_of(recording: Recording, seed: int) -> pd.DataFrame:
     columns |= _early(recording)
     columns |= _use_of_limits(recording)
     columns |= {f"time_to_{target:g}_s": seconds for target, seconds in judged.time_to_s.items()}
-    columns |= {"verdicts_s": _verdicts_s(recording), "known_nees": _known_nees(recording, judged.time_to_s[KNOWN])}
+    columns |= {"verdicts_s": verdicts_s(recording), "known_nees": _known_nees(recording, judged.time_to_s[KNOWN])}
     columns |= {f"inside_{sigmas}_sigma": share for sigmas, share in judged.inside.items()}
     kinds = {"truth": recording.truth, "error": judged.error, "sd": judged.sd, "bound_sd": judged.bound_sd}
     for kind, values in kinds.items():
@@ -97,7 +97,7 @@ def outcomes_of(recording: Recording, seed: int) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def _verdicts_s(recording: Recording) -> Array:
+def verdicts_s(recording: Recording) -> Array:
     """First time (N,), s, from which on the data have a verdict on every muscle; NaN unless lines are whole muscles."""
     if whole_muscles_per_line(recording.parameter_names) != 1.0:
         return np.full(recording.num_worlds, np.nan)
