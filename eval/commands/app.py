@@ -72,8 +72,8 @@ def _study_command(
 ) -> None:
     """Play a study's file: every entry under every setting on the same patients, on all cores (docs/studies.md).
 
-    Writes study.md, profiles.svg, and patients, cells, pairs and profiles as Parquet. Whatever ends a run keeps
-    the parts of some patients that are finished: the same command goes on from there.
+    Writes study.md, and patients, cells and pairs as Parquet. Whatever ends a run keeps the parts of some patients that
+    are finished: the same command goes on from there.
     """
     from eval.kept.parts import Backend, Run
     from eval.studies import command, design

@@ -158,13 +158,13 @@ def _present(
     new = (gain for gain in study_gains if gain.seeds > 1 or not gain.against.startswith("its "))  # beside that table
     table.show_gains(tuple(new), console)
     with alone(output):
-        study = play(study, films.candidates(ranking, learned(study, ranking).lessons), console)
-        learning = learned(study, ranking)
+        study = play(study, films.candidates(ranking, learned(study, ranking)), console)
+        lessons = learned(study, ranking)
         console.print("drawing the report")
-        written = page.write(study, ranking, learning, output / "report.html")
+        written = page.write(study, ranking, lessons, output / "report.html")
         if study_gains:
             table.write_gains(study_gains, output / "gains.md")
-    table.show_verdict(ranking, learning.lessons, console)
+    table.show_verdict(ranking, lessons, console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",
         soft_wrap=True,

@@ -14,7 +14,6 @@ from eval.figures import words
 from eval.kept.entries import Settings, load_entry
 from jawenv.base.errors import InputError, shown
 from jawenv.base.named_objects import is_named
-from jawenv.controls import CONTROLS
 from jawenv.playing.agents import Action
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
@@ -76,20 +75,20 @@ class _MotionRecorder:
         simulation = env.unwrapped.simulation
         every = max(1, round(simulation.configuration.steps_per_s / LARGEST_RATE))
         if action is not None and self._step % every == 0:
-            self._keep(simulation, action[0])
+            self._keep(simulation)
         self._step += 1
 
     def motion(self) -> dict[str, Any]:
         """The record so far; lengths in mm, forces in N, sds of natural logs.
 
         Keys: ``muscles`` (M names), ``origin`` (M, 3), ``insertion`` (M, 3) and ``mouthpiece`` (3) in axes of the body,
-        ``path`` (drop and frequency of the condyle's path), ``parameters``, ``commands`` (names) and ``title``; and in
+        ``path`` (drop and frequency of the condyle's path), ``parameters`` and ``title``; and in
         ``frames``, of every frame, ``time_s``, ``contact`` (3), ``turn`` (3, rotation vector), ``tension`` (M),
-        ``force`` (3), ``command`` (4, of -1 to 1), ``moved`` (opening, side, fore-aft) and ``sd`` (P).
+        ``force`` (3), ``moved`` (opening, side, fore-aft) and ``sd`` (P).
         """
         return self._motion
 
-    def _keep(self, simulation: Any, action: Action) -> None:
+    def _keep(self, simulation: Any) -> None:
         """Add a frame, as long as the episode runs."""
         from jawenv.envs.shown_world import build_scene
 
@@ -98,12 +97,12 @@ class _MotionRecorder:
             return
         scene = build_scene(simulation)
         if not self._motion:
-            self._motion = beginning(scene, simulation.configuration.control)
-        for name, value in _frame_of(scene, action).items():
+            self._motion = beginning(scene)
+        for name, value in _frame_of(scene).items():
             self._motion["frames"].setdefault(name, []).append(value)
 
 
-def _frame_of(scene: Any, action: Action) -> dict[str, Any]:
+def _frame_of(scene: Any) -> dict[str, Any]:
     """Values of one frame."""
     frame = {
         "time_s": scene.time_s,
@@ -111,14 +110,13 @@ def _frame_of(scene: Any, action: Action) -> dict[str, Any]:
         "turn": _rotation_vector(scene.rotation),
         "tension": scene.muscle_tension_N,
         "force": scene.mouthpiece_force_N,
-        "command": action,
         "moved": [scene.opening_mm, *scene.excursion_mm],
         "sd": scene.belief_sd,
     }
     return {name: _rounded(value) for name, value in frame.items()}
 
 
-def beginning(scene: Any, control: str) -> dict[str, Any]:
+def beginning(scene: Any) -> dict[str, Any]:
     """Values common to all frames."""
     in_body = scene.rotation.T
     return {
@@ -128,7 +126,6 @@ def beginning(scene: Any, control: str) -> dict[str, Any]:
         "mouthpiece": _rounded(1e3 * in_body @ (scene.mouthpiece_m - scene.contact_m)),
         "path": [1e3 * scene.fossa_drop_m, 1e-3 * scene.fossa_frequency],
         "parameters": list(scene.parameter_names),
-        "commands": list(CONTROLS[control].commanded),
         "title": scene.title,
         "frames": {},
     }

@@ -91,15 +91,16 @@ Image(str(draw([RUN], RUN / "curves.png")))
 # On patients that took no part in the training, in the same control mode, with the same noise.
 
 # %%
+from eval.commands.options import terminal
 from eval.comparison.ranking import rank
 from eval.comparison.results import compare
 from eval.kept.entries import Settings, load_entries
-from eval.report.overview import overview
+from eval.report import table
 
 settings = Settings.of(PATIENTS, 300, episode_s=EPISODE_S)
 study = compare(load_entries([str(RUN), config.residual.maneuver, "hold_still"], settings.world), settings)
 ranking = rank(study, config.residual.maneuver)
-overview(study, ranking)
+table.show(ranking, terminal())
 
 # %%
 (agent,) = (row for row in ranking.rows if row.trained)

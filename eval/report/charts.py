@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -35,12 +34,6 @@ _BELOW = 0.27  # of a row: where a second mark stands, so that the first does no
 _LEAST_DISCOMFORT = 1e-3  # s per 30 s: floor of the log axis
 _COARSE, _FINE = (1, 1.5, 2, 3, 5, 7), (1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)
 _NARROW = 3.0  # highest over lowest NEES of a chart, below which it needs the finer marks
-_STRIPS = (
-    {"color": "#1f77c4", "width": 1.7, "dash": "solid"},
-    {"color": "#d55e00", "width": 1.7, "dash": "dash"},
-    {"color": "#009e73", "width": 1.7, "dash": "dot"},
-    {"color": "#b0528a", "width": 1.7, "dash": "dashdot"},
-)
 
 
 def all_charts(study: Results, ranking: Ranking) -> dict[str, Chart]:
@@ -198,38 +191,6 @@ def discomfort(ranking: Ranking) -> Chart:
     if min(true) < floor < max(true):
         layout["yaxis"]["range"] = [1.3 * floor, 1.1 * max(true)]
     return {"data": traces, "layout": layout, "labels": False, "places": True}
-
-
-def motion(moved: dict[str, Any]) -> Chart:
-    """Commands, motion and sds of the first patient over time."""
-    frames = {name: np.array(values) for name, values in moved["frames"].items()}
-    parameters = [words.parameter(name) for name in moved["parameters"]]
-    strips: tuple[tuple[str, Sequence[str], Array], ...] = (
-        ("commands, −1 to 1", moved["commands"], frames["command"]),
-        ("motion, mm", ("opening", "side", "fore-aft"), frames["moved"]),
-        ("sd of every parameter", parameters, frames["sd"]),
-    )
-    cursor = {"type": "line", "x0": 0.0, "x1": 0.0, "y0": 0, "y1": 1, "yref": "paper"}
-    layout: Chart = {"xaxis": {"title": "time, s", "anchor": "y3"}, "height": 430, "hovermode": "closest"}
-    layout |= {"shapes": [cursor], "annotations": []}
-    traces = []
-    for index, (title, names, values) in enumerate(strips):
-        axis, sds, top = f"y{index + 1 if index else ''}", names is parameters, 0.96 - 0.34 * index
-        for number, name in enumerate(names):
-            look = {"color": drawing.REFERENCE, "width": 1} if sds else _STRIPS[number % len(_STRIPS)]
-            shape = {"shape": "hv"} if index == 0 else {}
-            x, y = _plain(frames["time_s"]), _plain(values[:, number])
-            hover = f"{name} {'%{y:.1%}' if sds else '%{y:.2f}'} at %{{x:.1f}} s<extra></extra>"
-            line = {"x": x, "y": y, "yaxis": axis, "mode": "lines"}
-            traces.append(line | {"line": look | shape, "hovertemplate": hover})
-        inks = [
-            f'<span style="color:{look["color"]}">{name}</span>' for look, name in zip(_STRIPS, names, strict=False)
-        ]
-        words_above = title if sds else f"{title}: {', '.join(inks)}"
-        above = {"xref": "paper", "yref": "paper", "x": 0, "y": top, "xanchor": "left", "yanchor": "bottom"}
-        layout["annotations"].append(above | {"text": words_above, "showarrow": False})
-        layout["yaxis" + axis[1:]] = {"domain": [top - 0.26, top]} | (_sd_axis("") if sds else {})
-    return {"data": traces, "layout": layout, "labels": False}
 
 
 def curves(study: Results, ranking: Ranking) -> dict[str, Any]:

@@ -96,16 +96,3 @@ def log_percent(axes: Axes, which: str = "y", ticks: Sequence[float] = (0.5, 1, 
     axis.set_major_locator(FixedLocator([tick / 100.0 for tick in ticks]))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{100.0 * value:g} %"))
     axis.set_minor_locator(NullLocator())
-
-
-def entries_down(axes: Axes, ranking: Ranking, labelled: bool = True) -> None:
-    """Put the entries on the vertical axis, the best at the top."""
-    axes.set_ylim(len(ranking.rows) - 0.4, -0.6)
-    axes.set_yticks(range(len(ranking.rows)), list(names(ranking).values()) if labelled else [])
-    axes.tick_params(axis="y", length=0)
-    axes.grid(axis="y", visible=False)
-    axes.spines["left"].set_visible(False)
-    if labelled:
-        for tick, row in zip(axes.get_yticklabels(), ranking.rows, strict=True):
-            tick.set_color(colours(ranking)[row.entry] if row.trained else INK)
-            tick.set_fontweight("bold" if row.trained else "normal")

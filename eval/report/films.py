@@ -111,7 +111,7 @@ def scenes(motion: dict[str, Any], model: Model) -> Iterator[Scene]:
     from scipy.interpolate import make_interp_spline
     from scipy.spatial.transform import Rotation
 
-    frames = {name: np.array(values) for name, values in motion["frames"].items() if name != "command"}
+    frames = {name: np.array(values) for name, values in motion["frames"].items()}
     known_s = frames.pop("time_s")
     times = np.arange(known_s[0], min(known_s[-1], LONGEST_S) + 1e-9, 1.0 / PICTURES_PER_S)
     degree = min(3, len(known_s) - 1)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,6 @@ from eval.comparison.trainings import adaptations, verdict
 from eval.figures import words
 from eval.figures.statistics import RESAMPLES
 from eval.report import charts, films, first, template
-from eval.report.charts import Chart
 from eval.rows.outcomes import EARLY_S
 from jawenv.anatomy.muscles import SIDES
 from jawenv.ladder import KNOWN_WITHIN_SDS
@@ -30,7 +29,7 @@ from jawenv.metrics import CONFIDENCE, TARGETS
 from jawenv.playing.rollout import DEFAULT_ENV
 
 if TYPE_CHECKING:
-    from eval.report.learned import Learning
+    from eval.report.learned import Learned
 
 ASSETS = Path(__file__).parent / "assets"
 LEAST_SURE = 0.1
@@ -65,32 +64,29 @@ class Bars:
     comfortable: Bar
 
 
-def write(study: Results, ranking: Ranking, learning: Learning, path: Path) -> Path:
+def write(study: Results, ranking: Ranking, lessons: Sequence[Learned], path: Path) -> Path:
     """Write the report, and return its path; see `render`."""
-    page = render(study, ranking, learning)
+    page = render(study, ranking, lessons)
     return template.write(page, path)
 
 
-def render(study: Results, ranking: Ranking, learning: Learning) -> str:
+def render(study: Results, ranking: Ranking, lessons: Sequence[Learned]) -> str:
     """The report as HTML text.
 
     Args:
         study: results of all entries.
         ranking: of the same study.
-        learning: what its trained entries have learned.
+        lessons: of its trained entries.
     """
-    shown = films.shown(study, ranking, [row for lesson in learning.lessons for row in (lesson.base, lesson.entry)])
-    looks, curves = charts.entries(ranking), _learning_curves(ranking, learning)
+    shown = films.shown(study, ranking, [row for lesson in lessons for row in (lesson.base, lesson.entry)])
     titles = [words.parameter(name) for name in ranking.parameters]
     data: dict[str, Any] = {
-        "entries": looks,
-        "charts": charts.all_charts(study, ranking) | curves,
+        "entries": charts.entries(ranking),
+        "charts": charts.all_charts(study, ranking),
         "parameters": [{"key": key, "title": title} for key, title in zip(ranking.parameters, titles, strict=True)],
         "curves": charts.curves(study, ranking),
         "sd_range": charts.sd_range(study),
         "films": shown.pop("films"),
-        "speed": shown["speed"],
-        "motions": {row.entry: charts.motion(study.motions[row.entry]) for row in shown["filmed"]},
     }
     answer, comfort = _answer(study, ranking), {"limits": _limits(study), "use": _use_of_limits(study, ranking)}
     diagnoses = {row.entry: study.diagnoses(row.entry) for row in ranking.rows}
@@ -106,23 +102,9 @@ def render(study: Results, ranking: Ranking, learning: Learning) -> str:
         model=_model(ranking, titles),
         films=shown,
         verdict=verdict,
-        learning={
-            "lessons": learning.lessons,
-            "charts": list(curves),
-            "entries": _entries_in(curves, looks),
-            "notes": learning.notes,
-        },
+        lessons=lessons,
         embedded=_embedded(data),
     )
-
-
-def _learning_curves(ranking: Ranking, learning: Learning) -> dict[str, Chart]:
-    """The charts of trainings; none where nothing was trained."""
-    if not learning.evaluations:
-        return {}
-    from eval.report.learning import learning_charts
-
-    return learning_charts(ranking, learning.evaluations)
 
 
 def _model(ranking: Ranking, titles: list[str]) -> dict[str, Any]:
@@ -185,12 +167,6 @@ def _bars(ranking: Ranking, row: RankingRow, episode_s: float) -> Bars:
 
 def _within(share: float) -> float:
     return min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
-
-
-def _entries_in(traced: dict[str, Chart], entries: list[dict[str, Any]]) -> list[str]:
-    """Place and name of the entries that have a line in a chart."""
-    numbers = dict.fromkeys(trace["meta"] for chart in traced.values() for trace in chart["data"])
-    return [f"{entries[i]['place']} {entries[i]['name']}" for i in numbers]
 
 
 def _embedded(data: dict[str, Any]) -> dict[str, Markup]:

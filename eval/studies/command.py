@@ -9,7 +9,7 @@ from rich.console import Console
 from eval.kept.cells import play_cells
 from eval.kept.parts import Run
 from eval.kept.tables import made_with, write_table
-from eval.studies import design, drawing, estimates, tables
+from eval.studies import design, estimates, tables
 from eval.studies.grid import FACTORS, cells_of
 from jawenv.base.files import write_text
 from jawenv.base.locks import alone
@@ -27,7 +27,7 @@ def study(
     console: Console,
     trust: bool = False,
 ) -> None:
-    """Play a study and write `study.md`, `profiles.svg`, and the Parquet files of patients, cells, pairs and profiles.
+    """Play a study and write `study.md`, and the Parquet files of patients, cells and pairs.
 
     Args:
         source: name or file of the study.
@@ -52,17 +52,15 @@ def study(
     rows.insert(len(FACTORS), "patient", rows["seed"] - plan.seed)
     with alone(output):
         write_table(rows, output / PATIENTS, metadata)
-        console.print("estimating figures, pairs and profiles with their intervals")
+        console.print("estimating figures and pairs with their intervals")
         figures = {
             "cells": estimates.cells(rows, plan),
             "pairs": estimates.pairs(rows, plan),
-            "profiles": estimates.profiles(rows, plan),
         }
         for name_of_table, table in figures.items():
             write_table(table, output / f"{name_of_table}.parquet", metadata)
         page = tables.markdown(figures["cells"], figures["pairs"], plan, metadata)
         write_text(output / "study.md", page)
-        drawing.draw(figures["profiles"], plan, output / "profiles.svg")
     tables.of_cells(figures["cells"], plan).show(console, intervals=False)
-    console.print(f"tables:  {output / 'study.md'}\nfigure:  {output / 'profiles.svg'}", soft_wrap=True)
-    console.print(f"results: {output / PATIENTS}, and cells, pairs, profiles beside it", soft_wrap=True)
+    console.print(f"tables:  {output / 'study.md'}", soft_wrap=True)
+    console.print(f"results: {output / PATIENTS}, and cells, pairs beside it", soft_wrap=True)

@@ -1,6 +1,6 @@
-"""Estimates for all patients from those of a study: figures of cells, paired comparisons, performance profiles.
+"""Estimates for all patients from those of a study: figures of cells, and paired comparisons.
 
-Intervals are over patients, 95 %. Probabilities of improvement and profiles are those that Agarwal et al. (2021,
+Intervals are over patients, 95 %. Probabilities of improvement are those that Agarwal et al. (2021,
 NeurIPS 34:29304, `rliable`) recommend, with patients for runs and settings for tasks. Two things differ. Both sides of
 a pair meet the same patients and noise, so that they are compared patient by patient. And a seed makes the patient of
 every setting, so that settings are not independent: seeds are resampled, each with its rows of all settings, where
@@ -24,8 +24,6 @@ from eval.studies.grid import FACTORS, Levels, matches
 
 Array = npt.NDArray[np.float64]
 ALL = "all settings"
-_SD_LEVELS = np.geomspace(0.005, 1.0, 70)
-_TIMES = 61
 
 
 def cells(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
@@ -132,31 +130,3 @@ def _compared(table: pd.DataFrame) -> dict[str, float]:
         interval = UNKNOWN if np.isnan(values).any() or not len(values) else statistics.mean(values)
         figures |= interval.columns(name)
     return figures
-
-
-def profiles(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
-    """Performance profiles: the share of the patients with a worst sd of at most x, or within 5 % by x seconds.
-
-    Args:
-        rows: of `eval.kept.cells.play_cells`.
-        design: the study.
-
-    Returns:
-        One row per cell, quantity (`worst_sd`, `time_to_5`) and x: `FACTORS`, patients, quantity, x, share, low, high.
-    """
-    levels = {"worst_sd": _SD_LEVELS, "time_to_5": np.linspace(0.0, design.episode_s, _TIMES)}
-    table = []
-    for factors, cell in rows.groupby(list(FACTORS), sort=False):
-        for quantity, grid in levels.items():
-            counts = np.searchsorted(np.sort(FIGURES[quantity].of(cell)), grid, side="right")
-            shares = [statistics.share_of(int(count), len(cell)) for count in counts]
-            figures = {
-                "patients": len(cell),
-                "quantity": quantity,
-                "x": grid,
-                "share": [share.value for share in shares],
-                "low": [share.low for share in shares],
-                "high": [share.high for share in shares],
-            }
-            table.append(pd.DataFrame(dict(zip(FACTORS, factors, strict=True)) | figures))
-    return pd.concat(table, ignore_index=True)

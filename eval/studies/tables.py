@@ -75,8 +75,8 @@ def _of_pairs(table: pd.DataFrame, design: Design) -> Table:
     head = ["first", "second", *(_TITLES.get(factor, factor) for factor in factors), "patients"]
     head += [FIGURES[metric].title for metric in design.metrics if FIGURES[metric].compared]
     rows = []
-    whole = table[list(FACTORS)].eq(ALL).any(axis=1)
-    several = whole.groupby([table["better"], table["than"]]).transform("any")
+    whole = (table[list(FACTORS)] == ALL).any(axis=1)
+    several = whole.groupby([table["better"], table["than"]]).transform("any").astype(bool)
     for group, figures in table[whole | ~several].groupby(["better", "than", *FACTORS], sort=False):
         levels = dict(zip(FACTORS, group[2:], strict=True))
         rows.append(

@@ -1,10 +1,10 @@
 "use strict";
 // Films of the first patient: those of a group play in step, from when they first come into view, and pause when they
-// leave it; still until asked where a reader wants no motion. A line in the chart below a film marks its time.
+// leave it; still until asked where a reader wants no motion.
 (() => {
   const STILL_S = 2; // shown where nothing moves: by then a jaw is open
   const APART_S = 0.1;
-  const { films, motions, speed } = report.data;
+  const { films } = report.data;
   const addresses = {};
 
   function address(entry) {
@@ -32,13 +32,8 @@
   }
 
   for (const stage of document.querySelectorAll(".stage")) {
-    const [select, film, box] = ["select", "video", ".chart"].map((part) => stage.querySelector(part));
-    const choose = () => {
-      film.src = address(select.value);
-      report.charts.set(box.id, motions[select.value]);
-      report.draw(box.id);
-    };
-    film.addEventListener("timeupdate", () => Plotly.relayout(box, { "shapes[0].x0": speed * film.currentTime, "shapes[0].x1": speed * film.currentTime }));
+    const [select, film] = ["select", "video"].map((part) => stage.querySelector(part));
+    const choose = () => { film.src = address(select.value); };
     select.addEventListener("change", choose);
     choose();
   }

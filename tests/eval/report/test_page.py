@@ -1,12 +1,10 @@
 import json
 import re
-import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 
 import pytest
 
 from eval.comparison.ranking import rank
-from eval.report import overview, template
 from eval.report.learned import learned
 from eval.report.page import render, write
 from tests.eval.studies import ENTRIES, GOOD, study
@@ -107,23 +105,6 @@ def test_the_bound_is_drawn_where_it_is_one(made, page):
     assert "with creep_share = 0.3, unknown to the filter" in other
 
 
-def test_learning_curves_of_a_run_are_shown_and_a_damaged_table_is_named(made, tmp_path):
-    (tmp_path / "evaluations.csv").write_text(
-        "steps,return,worst_sd_10s,worst_sd,discomfort_s\n0,1,.5,.4,.1\n9,2,.3,.2,0\n"
-    )
-    entries = [each | ({"spec": str(tmp_path)} if each["trained"] else {}) for each in made.about["entries"]]
-    study = type(made)(made.patients, made.curves, made.about | {"entries": entries})
-    page = render(study, rank(study), learned(study, rank(study)))
-    (curve,) = data_of(page)["charts"]["learning_worst_sd"]["data"]
-    assert (curve["x"], curve["y"]) == ([0.0, 9.0], [40.0, 20.0])
-    entry = data_of(page)["entries"][curve["meta"]]
-    assert f"At the end of a line stands the entry: {entry['place']} {entry['name']}. " in page
-    (tmp_path / "evaluations.csv").write_text("steps,return\n0,nobody\n")
-    page = render(study, rank(study), learned(study, rank(study)))
-    assert f"Not shown: {tmp_path / 'evaluations.csv'} is damaged" in page and "At the end of a line" not in page
-    assert "learning_worst_sd" not in data_of(page)["charts"]
-
-
 def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_path):
     whole = study(patients=1)
     evil = "</script><script>alert(1)</script>"
@@ -135,13 +116,6 @@ def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_p
     assert "<script>alert" not in text
     assert text.rstrip().endswith("</html>")
     assert [file.name for file in path.parent.iterdir()] == ["report.html"]
-
-
-def test_the_figure_is_valid_svg_in_the_colours_of_the_page(made):
-    text = template.picture(overview.overview(made, rank(made)), "overview", "a <label>")
-    ET.fromstring(text)
-    assert "currentColor" in text
-    assert "<script" not in text
 
 
 @pytest.mark.parametrize(

@@ -107,15 +107,6 @@ def test_only_the_same_patients_are_compared(rng):
     assert table["information_true"].to_list() == [PATIENTS - 1, PATIENTS, PATIENTS - 1]
 
 
-def test_profiles_rise_to_the_share_that_gets_there(rng):
-    table = estimates.profiles(rows(rng), design())
-    for _, curve in table.groupby(["control", "entry", "quantity"]):
-        assert curve["share"].is_monotonic_increasing
-        assert ((curve["low"] <= curve["share"]) & (curve["share"] <= curve["high"])).all()
-    last = table.groupby("quantity")["share"].max()
-    assert last["worst_sd"] == 1.0 and last["time_to_5"] == pytest.approx(20 / 30)
-
-
 def test_the_page_names_how_it_was_made(rng):
     known, wanted = rows(rng), design()
     about = {

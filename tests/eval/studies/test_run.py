@@ -28,7 +28,7 @@ SMALL = {
     "episode_s": 1.0,
     "pairs": [["chirp", "hold_still"]],
 }
-FILES = ["cells.parquet", "pairs.parquet", "parts", "patients.parquet", "profiles.parquet", "profiles.svg", "study.md"]
+FILES = ["cells.parquet", "pairs.parquet", "parts", "patients.parquet", "study.md"]
 
 
 @pytest.fixture
@@ -62,7 +62,7 @@ def test_a_study_writes_its_results_and_what_they_were_made_with(study, capsys):
     assert about["machine"]["cores"] == os.cpu_count()
     again = Design(**about["study"])
     assert again == Design(**SMALL)
-    for name in ("cells", "pairs", "profiles"):
+    for name in ("cells", "pairs"):
         assert len(pd.read_parquet(study.output / f"{name}.parquet"))
     assert "Small" in (study.output / "study.md").read_text()
 
