@@ -4,7 +4,8 @@
 
 The other process stands for the device: it sends the readings of a simulated patient on its own clock, and notes when
 the belief about each comes back. A deadline is missed where that is later than the next reading. Few updates filter
-earlier readings again and take longer; readings wait meanwhile in the socket.
+earlier readings again and take longer; readings wait meanwhile in the socket. The filter's end is told the device's
+address and connects to it, so that the system drops what others send.
 """
 
 import argparse
@@ -14,6 +15,7 @@ import select
 import socket
 import sys
 import time
+from multiprocessing.connection import Connection
 
 import numpy as np
 
@@ -28,12 +30,14 @@ END = -1  # the tick of the last packet, which has no reading
 PATIENCE_S = 60.0  # without a packet
 LOST = 100  # ticks that may be missing before a packet
 LOST_AND_CONFIRMED = 6000  # the same, where the packet after it goes on from there
+SILENT_S = 1.0  # without a next reading, after which a device whose address nobody said may be another
 
 
-def device(port: int, readings: np.ndarray, period_s: float) -> None:
-    """Send every reading at its time, and print how long the beliefs took to come back."""
+def device(port: int, address: Connection, readings: np.ndarray, period_s: float) -> None:
+    """Say the own address, send every reading at its time, and print how long the beliefs took to come back."""
     link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     link.connect(("127.0.0.1", port))
+    address.send(link.getsockname())
     latency_s = np.full(len(readings), np.inf)
     sent_s = np.zeros(len(readings))
     begun = time.perf_counter() + period_s
@@ -64,19 +68,23 @@ def listen(link: socket.socket, until_s: float, sent_s: np.ndarray, latency_s: n
 class Order:
     """Decides which packets are the device's next reading; a network loses, repeats, delays and damages packets."""
 
-    sender: object = None  # address of the first packet that was whole
+    device: object = None  # its address; None: nobody said it, and whoever speaks first is taken for it
+    sender: object = None  # address of the latest reading
+    heard_s: float = -np.inf  # by this computer's clock, when it came
     expected: int = 0  # tick of the next reading
     ahead: int = -1  # tick of the packet before, if it came from too far ahead
     dropped: int = 0  # packets
 
     def reading(self, packet: bytes, sender: object) -> np.void | None:
         """Return the reading or END, or count a packet that is neither."""
-        if len(packet) == READING.itemsize and self.sender in (None, sender):
+        silent = time.monotonic() - self.heard_s > SILENT_S
+        owner = self.device or (None if silent else self.sender)
+        if len(packet) == READING.itemsize and owner in (None, sender):
             reading = np.frombuffer(packet, READING)[0]
-            if reading["tick"] == END and self.sender is not None:
+            if reading["tick"] == END and self.sender == sender:
                 return reading
             if self._follows(int(reading["tick"])):
-                self.sender, self.ahead = sender, -1
+                self.sender, self.heard_s, self.ahead = sender, time.monotonic(), -1
                 return reading
         self.dropped += 1
         return None
@@ -90,12 +98,12 @@ class Order:
         return 0 <= lost <= (LOST_AND_CONFIRMED if self.expected else LOST)
 
 
-def serve(link: socket.socket, online: jawenv.OnlineFilter) -> OnlineBelief | None:
-    """Answer every reading with the belief after it; a lost packet is a tick of which nothing was read.
+def serve(link: socket.socket, online: jawenv.OnlineFilter, device: object = None) -> OnlineBelief | None:
+    """Answer every reading of the device, at its address, with the belief after it; a lost packet is an empty tick.
 
     The clock is the device's: a belief's time is its packet's tick. What is no next reading is dropped and counted.
     """
-    order, belief = Order(), None
+    order, belief = Order(device), None
     while True:
         try:
             reading = order.reading(*link.recvfrom(READING.itemsize + 1))
@@ -110,7 +118,8 @@ def serve(link: socket.socket, online: jawenv.OnlineFilter) -> OnlineBelief | No
             online.update(np.full(12, np.nan), np.full((3, 6), np.nan))
         belief = online.update(reading["measured"], reading["samples"])
         order.expected = int(reading["tick"]) + 1
-        link.sendto(np.array((reading["tick"], belief.log_sd.max(), belief.misfit), REPLY).tobytes(), order.sender)
+        reply = np.array((reading["tick"], belief.log_sd.max(), belief.misfit), REPLY).tobytes()
+        link.sendto(reply, order.sender) if device is None else link.send(reply)
     if order.dropped:
         print(f"{order.dropped} packets were no next reading of the device: dropped")
     return belief
@@ -132,10 +141,14 @@ def main() -> None:
         link.bind(("127.0.0.1", 0))
         link.settimeout(PATIENCE_S)
         online = jawenv.OnlineFilter.of_record(record)
-        arguments = (link.getsockname()[1], readings, record.dt)
-        process = multiprocessing.get_context("spawn").Process(target=device, args=arguments, daemon=True)
+        spawn = multiprocessing.get_context("spawn")
+        said, saying = spawn.Pipe(duplex=False)
+        arguments = (link.getsockname()[1], saying, readings, record.dt)
+        process = spawn.Process(target=device, args=arguments, daemon=True)
         process.start()
-        belief = serve(link, online)
+        address = said.recv()
+        link.connect(address)
+        belief = serve(link, online, address)
         process.join()
     if belief is not None:
         print(f"all within {belief.log_sd.max():.1%} after {belief.time_s:g} s, misfit {belief.misfit:.2f}")

@@ -17,7 +17,7 @@ from typing import Literal, TypeVar, get_args
 from joblib import Parallel, delayed, register_parallel_backend
 from rich.console import Console
 
-from jawenv.base.errors import InputError, shown
+from jawenv.base.errors import InputError, reason_of, shown
 from jawenv.base.extras import needs
 from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
@@ -81,7 +81,7 @@ def folder_for(output: Path, name: str) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"output {output}: {error.strerror}") from None
+        raise InputError(f"output {output}: {reason_of(error)}") from None
     return folder
 
 

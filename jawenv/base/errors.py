@@ -16,6 +16,7 @@ __all__ = [
     "not_among",
     "out_of_memory",
     "printable",
+    "reason_of",
     "shown",
 ]
 
@@ -89,6 +90,11 @@ def printable(text: str) -> str:
 
 
 _STEERING = ("Cc", "Cf", "Cs", "Zl", "Zp")  # control, format, half of a pair, ends of line and paragraph
+
+
+def reason_of(error: Exception) -> str:
+    """What the system says of an error; errors that Python raises in its place have no ``strerror``."""
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__
 
 
 def shown(value: object) -> str:

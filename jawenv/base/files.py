@@ -17,7 +17,7 @@ from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationError
 
-from jawenv.base.errors import InputError, printable, shown
+from jawenv.base.errors import InputError, printable, reason_of, shown
 from jawenv.base.reading import read_text
 
 Source: TypeAlias = Mapping[str, Any] | str | os.PathLike[str]
@@ -190,7 +190,7 @@ def atomic_write(path: str | os.PathLike[str], *, synced: bool = True) -> Iterat
             unfinished.chmod(stat.S_IMODE(mode))
         unfinished.replace(target)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise InputError(f"{path}: cannot be written: {reason_of(error)}") from None
     finally:
         with contextlib.suppress(OSError):
             unfinished.unlink()

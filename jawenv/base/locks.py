@@ -10,7 +10,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from jawenv.base.errors import InputError
+from jawenv.base.errors import InputError, reason_of
 from jawenv.base.files import remove_unfinished
 
 
@@ -37,7 +37,7 @@ def alone(output: Path) -> Iterator[None]:
     except NotImplementedError:
         raise InputError(f"output {output}: its file system has no locks; allowed: one on another") from None
     except OSError as error:
-        reason = os.strerror(errno.ENOTDIR) if isinstance(error, FileExistsError) else error.strerror
+        reason = os.strerror(errno.ENOTDIR) if isinstance(error, FileExistsError) else reason_of(error)
         raise InputError(f"output {output}: cannot be {'written' if target.exists() else 'made'}: {reason}") from None
     try:
         remove_unfinished(target)

@@ -12,7 +12,7 @@ import stat
 from collections.abc import Iterator
 from typing import BinaryIO
 
-from jawenv.base.errors import InputError
+from jawenv.base.errors import InputError, reason_of
 
 MIB = 2**20
 LARGEST_TEXT = 8 * MIB
@@ -46,7 +46,7 @@ def open_file(path: str | os.PathLike[str], largest: int = LARGEST_DATA) -> Iter
     except FileNotFoundError:
         raise InputError(f"{name}: no such file") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        raise InputError(f"{name}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        raise InputError(f"{name}: cannot be read: {reason_of(error)}") from None
     try:
         _check(name, os.fstat(descriptor), largest)
     except InputError:
@@ -62,7 +62,7 @@ def read_bytes(path: str | os.PathLike[str], largest: int = LARGEST_DATA) -> byt
         try:
             content = file.read(largest + 1)
         except OSError as error:
-            raise InputError(f"{os.fspath(path)}: cannot be read: {error.strerror}") from None
+            raise InputError(f"{os.fspath(path)}: cannot be read: {reason_of(error)}") from None
     if len(content) > largest:  # it grew, or is of a kind that states no size
         raise InputError(_too_large(os.fspath(path), len(content), largest))
     return content

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
-from jawenv.base.errors import InputError, out_of_memory
+from jawenv.base.errors import InputError, out_of_memory, reason_of
 
 _NO_NUMBER = re.compile(r"Input should be a valid (integer|number), unable to parse string as an? \1")
 """Typer's message about a word in place of a number."""
@@ -103,7 +103,7 @@ def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: s
         if error.filename is not None:
             raise
         _give_up_stdout()  # a full disk, say
-        message = f"the standard output cannot be written: {error.strerror}"
+        message = f"the standard output cannot be written: {reason_of(error)}"
     except typer.TyperException as error:
         prefix = _given(error)
         message = _NO_NUMBER.sub(lambda match: f"{prefix}allowed: a {_WORDS[match[1]]}", error.format_message())

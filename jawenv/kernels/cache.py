@@ -36,7 +36,7 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from platformdirs import user_cache_dir
 
-from jawenv.base.errors import InputError
+from jawenv.base.errors import InputError, reason_of
 from jawenv.base.files import atomic_write
 from jawenv.kernels.linked import reading_linked
 
@@ -310,7 +310,7 @@ def _make_writable(folder: Path) -> None:
             pass
     except OSError as error:
         raise InputError(
-            f"JAWENV_CACHE_DIR: compiled kernels cannot be kept in {cache_folder()} ({error.strerror}); "
+            f"JAWENV_CACHE_DIR: compiled kernels cannot be kept in {cache_folder()} ({reason_of(error)}); "
             "allowed: a folder that can be written, or one that holds all that is played"
         ) from None
 

@@ -11,7 +11,7 @@ import gymnasium as gym
 import numpy as np
 
 import jawenv.envs.registration  # noqa: F401  (the ids)
-from jawenv.base.errors import InputError, not_among
+from jawenv.base.errors import InputError, not_among, reason_of
 from jawenv.controls import takes_targets
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.device.comfort import COMFORT_LIMITS
@@ -220,7 +220,7 @@ class DriveSession:
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"{folder}: cannot be made: {error.strerror or error}") from None
+            raise InputError(f"{folder}: cannot be made: {reason_of(error)}") from None
         number = 1
         while path is None and (folder / f"my_drive_{number}.yaml").exists():
             number += 1

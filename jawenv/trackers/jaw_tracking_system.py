@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.base.errors import InputError, MissingPackageError, shown
+from jawenv.base.errors import InputError, MissingPackageError, reason_of, shown
 from jawenv.base.reading import open_file
 from jawenv.trackers import hdf5_groups
 from jawenv.trackers.bids_motion import matrices
@@ -65,7 +65,7 @@ def _read_apart(path: Path) -> tuple[list[dict[str, Any]], Any]:
     except subprocess.TimeoutExpired:
         raise InputError(f"{path}: is not read within {SECONDS} s; allowed: a whole HDF5 file") from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        raise InputError(f"{path}: cannot be read: {reason_of(error)}") from None
     try:
         line, _, rest = ran.stdout.partition(b"\n")
         told = json.loads(line)

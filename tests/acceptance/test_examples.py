@@ -192,6 +192,9 @@ class Link:
         assert sender == "device"
         self.replies += 1
 
+    def send(self, data: bytes) -> None:
+        self.replies += 1
+
 
 def test_device_loop_takes_packets_as_a_network_treats_them(capsys) -> None:
     spec = importlib.util.spec_from_file_location("device_loop", ROOT / "examples" / "device_loop.py")
@@ -228,6 +231,11 @@ def test_device_loop_takes_packets_as_a_network_treats_them(capsys) -> None:
     late = served([*packets[:100], *packets[101:130], packets[100], *packets[130:]])
     assert late.time_s == whole.time_s
     assert loop.serve(Link([]), jawenv.OnlineFilter.of_record(record)) is None
+    capsys.readouterr()
+    flood = [(of_tick(50), "stranger")] * 99
+    said = loop.serve(Link([*flood, *packets]), jawenv.OnlineFilter.of_record(record), "device")
+    np.testing.assert_array_equal(said.log_mean, whole.log_mean)
+    assert "99 packets were no next reading" in capsys.readouterr().out
 
 
 def test_device_loop_names_what_is_not_allowed(refusal) -> None:

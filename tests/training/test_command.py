@@ -360,6 +360,35 @@ def test_a_run_folder_is_made_whole_or_not_at_all(tmp_path: Path, monkeypatch: p
     assert run.open().seed == 2 and [path.name for path in tmp_path.iterdir()] == ["run"]
 
 
+def test_a_linked_run_folder_stays_a_link_and_neighbours_stay(tmp_path: Path) -> None:
+    (tmp_path / "scratch").mkdir()
+    (tmp_path / ".scratch.old").mkdir()
+    (tmp_path / "linked").symlink_to(tmp_path / "scratch")
+    run = RunFolder(tmp_path / "linked")
+    for seed in range(2):
+        run.check_free(overwrite=True)
+        run.create(TrainingConfig(seed=seed), 0)
+        assert run.open().seed == seed
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".scratch.old", "linked", "scratch"]
+    assert (tmp_path / "linked").is_symlink()
+
+
+def test_a_run_folder_that_cannot_be_replaced_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = RunFolder(tmp_path / "run")
+    run.create(TrainingConfig(seed=1), 0)
+    rename = Path.rename
+
+    def refused(path: Path, target: Path) -> Path:
+        if path.name == "new":
+            raise OSError("such a message has no number")
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "rename", refused)
+    with pytest.raises(InputError, match="such a message has no number"):
+        run.create(TrainingConfig(seed=2), 0)
+    assert run.open().seed == 1
+
+
 def test_a_large_text_in_a_checkpoint_is_refused_before_it_is_unpacked(tmp_path: Path) -> None:
     checkpoint = tmp_path / "step_0000000001.zip"
     with zipfile.ZipFile(checkpoint, "w", zipfile.ZIP_DEFLATED) as archive:

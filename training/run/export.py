@@ -16,7 +16,7 @@ from safetensors.numpy import save
 import jawenv
 from agents.evaluations import FILE as EVALUATIONS
 from agents.evaluations import read_evaluations
-from jawenv.base.errors import InputError
+from jawenv.base.errors import InputError, reason_of
 from jawenv.base.files import read_mapping, read_model, write_text
 from jawenv.base.locks import alone
 from jawenv.base.reading import read_text
@@ -134,7 +134,7 @@ def export(
         try:
             output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"output {output}: cannot be made: {error.strerror}") from None
+            raise InputError(f"output {output}: cannot be made: {reason_of(error)}") from None
         write_text(output / README, readme(output.resolve().name, card))
         (output / EVALUATIONS).unlink(missing_ok=True)
         if evaluated is not None:
@@ -156,7 +156,7 @@ def _check_free(output: Path, overwrite: bool) -> None:
             raise InputError(f"output {output} is a file; name a folder")
         present = {path.name for path in output.iterdir()} if output.exists() else set()
     except OSError as error:
-        raise InputError(f"output {output}: cannot be read: {error.strerror}") from None
+        raise InputError(f"output {output}: cannot be read: {reason_of(error)}") from None
     if present - {CARD, WEIGHTS, README, EVALUATIONS}:
         raise InputError(f"output {output} is a folder that holds something other than an exported policy")
     if CARD in present and not overwrite:  # weights alone were left by an export that was stopped

@@ -17,8 +17,8 @@ from __future__ import annotations
 import json
 import re
 import shlex
-import shutil
 import sys
+import tempfile
 import zipfile
 from collections.abc import Iterator
 from datetime import UTC, datetime
@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agents.evaluations import FILE as EVALUATIONS
-from jawenv.base.errors import InputError
+from jawenv.base.errors import InputError, reason_of
 from jawenv.base.files import atomic_write, read_mapping, remove_unfinished, write_json, write_text
 from jawenv.base.reading import LARGEST_TEXT, open_file
 from jawenv.base.versions import made_with
@@ -108,19 +108,22 @@ class RunFolder:
             world_seed: of the first training world.
             base: the maneuver that the policy corrects. A copy is kept: its file may change or go.
         """
-        new, old = (self.path.with_name(f".{self.path.name}.{age}") for age in ("new", "old"))
+        target = self.path.resolve()  # a link to a folder stays one
         try:
-            for left in (new, old):
-                if left.exists():
-                    shutil.rmtree(left)
-            RunFolder(new)._fill(config, world_seed, base)
-            if self.path.exists():
-                self.path.rename(old)
-            new.rename(self.path)
-            if old.exists():
-                shutil.rmtree(old)
+            with tempfile.TemporaryDirectory(
+                prefix=f".{target.name}.", suffix=".unfinished", dir=target.parent
+            ) as made:
+                new, old = Path(made, "new"), Path(made, "old")
+                RunFolder(new)._fill(config, world_seed, base)
+                if target.exists():
+                    target.rename(old)
+                try:
+                    new.rename(target)
+                finally:
+                    if old.exists() and not target.exists():
+                        old.rename(target)
         except OSError as error:
-            raise InputError(f"output {self.path}: {error.strerror}") from None
+            raise InputError(f"output {self.path}: {reason_of(error)}") from None
 
     def _fill(self, config: TrainingConfig, world_seed: int, base: Maneuver | None) -> None:
         self.checkpoints.mkdir(parents=True)
