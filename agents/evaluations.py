@@ -23,8 +23,8 @@ class _Curve(NamedTuple):
 
 
 CURVES = (
-    _Curve("worst_sd_10s", "worst sd at 10 s, %", 100.0),
-    _Curve("worst_sd", "worst sd at the end, %", 100.0),
+    _Curve("worst_sd", "worst error bar at the end, %", 100.0),
+    _Curve("known_s", "seconds until all are within 5 %", 1.0),
     _Curve("discomfort_s", "discomfort, s per 30 s", 1.0),
 )
 

@@ -28,6 +28,8 @@ DISCOMFORT_PER_S = 30.0
 """Discomfort is the integral of the cost over so many seconds."""
 EARLY_S = 10.0
 """When the worst sd is noted for the first time; the second is the end of the episode."""
+KNOWN = 0.05
+"""Worst sd at which all parameters count as known."""
 
 
 class Price(Protocol):
@@ -46,7 +48,8 @@ class NativeVecEnv(VecEnv):
     made, the `EPISODE_FIGURES` of the last step, ``cost``, the sum of ``info["cost"]`` over the episode's
     steps (safety-gymnasium's episode cost), and ``discomfort_s``, what that is for 30 s. Where the environment tells
     time and sds, there is the largest sd that is asked for at the end (``worst_sd``) and `EARLY_S` after the start, or
-    at the end of a shorter episode (``worst_sd_10s``). The same figures, and the other numbers of ``final_info``, stand
+    at the end of a shorter episode (``worst_sd_10s``), and the seconds until it is at `KNOWN`, the episode's length at
+    most (``known_s``). The same figures, and the other numbers of ``final_info``, stand
     beside ``episode``, where ``VecMonitor(worlds, info_keywords=("cost",))`` finds them.
 
     Attributes:
@@ -93,7 +96,7 @@ class NativeVecEnv(VecEnv):
     def _clear(self) -> None:
         self._returns = np.zeros(self.num_envs)
         self._costs = np.zeros(self.num_envs)
-        self._early_sd = np.full(self.num_envs, np.nan)
+        self._early_sd, self._known_s = (np.full(self.num_envs, np.nan) for _ in range(2))
         self.discomfort_s = np.zeros(self.num_envs)
         self._lengths = np.zeros(self.num_envs, dtype=np.int64)
 
@@ -131,7 +134,7 @@ class NativeVecEnv(VecEnv):
         return np.asarray(observation), paid, done, infos
 
     def _note_step(self, info: dict[str, Any], done: np.ndarray) -> None:
-        """Discomfort of the step, and the worst sd of the worlds that are `EARLY_S` old."""
+        """Discomfort of the step, the worst sd of worlds that are `EARLY_S` old, and when a world became known."""
         time_s = _last(info, "time", done)
         if time_s is None:
             return
@@ -140,9 +143,11 @@ class NativeVecEnv(VecEnv):
         if cost is not None:
             self.discomfort_s = cost * time_s / self._lengths
         if sd is not None:
-            sd = sd if asked is None else sd * np.repeat(asked, 2, axis=1)
+            worst = (sd if asked is None else sd * np.repeat(asked, 2, axis=1)).max(axis=1)
             early = np.isnan(self._early_sd) & ((time_s >= EARLY_S - 1e-9) | done)
-            self._early_sd[early] = sd[early].max(axis=1)
+            self._early_sd[early] = worst[early]
+            known = np.isnan(self._known_s) & ((worst <= KNOWN) | done)
+            self._known_s[known] = time_s[known]
 
     def _checked(self, reward: np.ndarray) -> np.ndarray:
         """Rewards (N,) in single precision, all finite: any other number would silently ruin the whole network."""
@@ -172,7 +177,7 @@ class NativeVecEnv(VecEnv):
             if "time" in final_info and "belief_sd" in final_info:
                 asked = np.repeat(final_info["asked"][i], 2) if "asked" in final_info else True
                 episode["worst_sd"] = float(np.max(final_info["belief_sd"][i] * asked))
-                episode["worst_sd_10s"] = float(self._early_sd[i])
+                episode["worst_sd_10s"], episode["known_s"] = float(self._early_sd[i]), float(self._known_s[i])
             numbers = {key: float(values[i]) for key, values in final_info.items() if np.ndim(values) == 1}
             infos[i] = {
                 **numbers,
@@ -183,7 +188,7 @@ class NativeVecEnv(VecEnv):
             }
         self._returns[worlds] = 0.0
         self._costs[worlds] = 0.0
-        self._early_sd[worlds] = np.nan
+        self._early_sd[worlds] = self._known_s[worlds] = np.nan
         self._lengths[worlds] = 0
 
     def close(self) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,10 +10,10 @@ from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 from rich.console import Console
 
 from jawenv.base.progress import Progress
-from jawenv.sb3 import NativeVecEnv
+from jawenv.sb3 import KNOWN, NativeVecEnv
 from training.run.callbacks import Multiplier
-from training.run.config import ComfortConfig
-from training.run.evaluations import FEW, Evaluation, Evaluations, Watched, evaluate
+from training.run.config import ComfortConfig, EvaluationConfig
+from training.run.evaluations import Evaluation, Evaluations, Watched, evaluate
 from training.run.folder import RunFolder
 
 
@@ -83,6 +84,7 @@ def test_worst_sd_is_that_at_10_s_and_at_the_end_and_its_median_counts() -> None
     at_10_s = np.ceil(10.0 / DT_S)
     np.testing.assert_allclose(figures["worst_sd_10s"], 0.5 / (1.0 + np.minimum(length, at_10_s)))
     assert length.min() < at_10_s < length.max()
+    np.testing.assert_allclose(figures["known_s"], DT_S * np.minimum(length, np.ceil(0.5 / KNOWN - 1.0)))
     assert outcome.averages()["worst_sd"] == np.median(figures["worst_sd"])
     np.testing.assert_allclose(figures["discomfort_s"], 30.0 * figures["cost"] / length)
 
@@ -101,7 +103,6 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
     evaluations = Evaluations(
         RunFolder(tmp_path),
         None,
-        worlds(),
         worlds(),
         lambda: None,
         Watched(progress),
@@ -157,19 +158,35 @@ def test_reward_is_less_by_price_times_discomfort_also_in_the_last_step() -> Non
     assert episode_cost > 0.5
 
 
-def test_the_beginning_is_played_by_few_patients_and_compared_with_on_these(tmp_path: Path) -> None:
-    many = NativeVecEnv(PointVectorEnv(FEW + 4, "same_step"))
-    outcome = evaluate(Policy(lambda observation: -observation[:, :2]), many, seed=20_000)
-    assert outcome is not None
-    averages = outcome.averages()
-    assert averages["return_few"] == outcome.figures["return"][:FEW].mean() != averages["return"]
+def test_the_beginning_and_the_best_are_shown_of_the_same_patients_without_nats(tmp_path: Path) -> None:
     progress = Progress(1, "steps", Console(quiet=True))
-    evaluations = Evaluations(RunFolder(tmp_path), None, worlds(), worlds(), lambda: None, Watched(progress))  # type: ignore[arg-type]
-    for steps, mean_return, of_few, better in (
-        (0, 10.0, 10.0, True),
-        (1, 30.0, 9.0, False),  # others are easier
-        (2, 8.0, 11.0, True),
-        (3, 9.0, 1.0, True),  # from now on all of them count
+    watched = Watched(progress)
+    evaluations = Evaluations(RunFolder(tmp_path), EvaluationConfig(every_steps=64), worlds(), lambda: None, watched)
+    for row in (
+        {"steps": 0, "return": 43.15, "worst_sd": 0.0333, "known_s": 6.5, "discomfort_s": 0.064},
+        {"steps": 32000, "return": 44.8, "worst_sd": 0.0293, "known_s": 5.5, "discomfort_s": 0.07},
     ):
-        row = {"steps": steps, "return": mean_return, "return_few": of_few}
-        assert evaluations._compare(row) is better, row
+        assert evaluations._compare(row)
+    evaluations._show_best()
+    assert progress.describe() == (
+        "best at 32,000: worst error bar 2.93 %, all within 5 % after 5.5 s, discomfort 0.07 s in 30 s; "
+        "the movement that it begins with: worst error bar 3.33 %, all within 5 % after 6.5 s, "
+        "discomfort 0.064 s in 30 s"
+    )
+
+
+def test_the_first_evaluations_follow_each_other_sooner(tmp_path: Path) -> None:
+    progress = Progress(1, "steps", Console(quiet=True))
+    config = EvaluationConfig(every_steps=64)
+    evaluations = Evaluations(RunFolder(tmp_path), config, worlds(), lambda: None, Watched(progress))
+    evaluations.model, at = SimpleNamespace(num_timesteps=0), []
+
+    def evaluate(_: object) -> None:
+        evaluations.last = evaluations.model.num_timesteps
+        at.append(evaluations.last)
+
+    evaluations.evaluate = evaluate
+    for steps in range(0, 260, 2):
+        evaluations.model.num_timesteps = steps
+        evaluations._on_rollout_start()
+    assert at == [0, 8, 16, 32, 64, 128, 192, 256]

@@ -9,7 +9,7 @@ from training.cli import main
 from training.run.config import TrainingConfig
 from training.run.plot import _grouped, _mean_and_interval, _stacked
 
-HEADER = "steps,return,worst_sd,worst_sd_10s,discomfort_s"
+HEADER = "steps,return,worst_sd,known_s,discomfort_s"
 
 
 @pytest.fixture

@@ -15,18 +15,16 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 from agents.evaluations import read_evaluations
 from jawenv.base.progress import Progress
 from jawenv.base.reading import read_text
+from jawenv.sb3 import KNOWN
 from training.run.config import EvaluationConfig
 from training.run.folder import RunFolder
 
 CONFIDENCE = 0.95
 _BEGINNING = "the movement that it begins with"
-FEW = 16
-"""Patients of the evaluation before the first update, the first ones of the others."""
 MEDIANS = ("worst_sd", "worst_sd_10s")
 """Figures by the median over patients, since a few stiff patients would rule the mean."""
 COLUMNS = (
     "return",
-    "return_few",
     "return_sampled",
     "return_sd",
     "worst_sd",
@@ -35,8 +33,8 @@ COLUMNS = (
     "worst_sd_10s",
     "worst_sd_10s_low",
     "worst_sd_10s_high",
+    "known_s",
     "discomfort_s",
-    "discomfort_s_few",
     "information_claimed",
     "information_true",
     "violation",
@@ -44,7 +42,9 @@ COLUMNS = (
 )
 """Figures of an evaluation, as far as the environment reports them."""
 
-Report = Callable[[int, dict[str, float]], None]
+Row = dict[str, float]
+"""Figures of one evaluation by their column, with ``steps``."""
+Report = Callable[[int, Row], None]
 """Called with steps and row of each evaluation."""
 
 
@@ -61,8 +61,6 @@ class Evaluation:
         about the patients (David & Nagaraja 2003, section 7.1).
         """
         averages = {name: float(values.mean()) for name, values in self.figures.items()}
-        for name in self.figures.keys() & {"return", "discomfort_s"}:
-            averages[f"{name}_few"] = float(self.figures[name][:FEW].mean())
         for name in self.figures.keys() & set(MEDIANS):
             values = np.sort(self.figures[name])
             cut = max(int(binom.ppf((1.0 - CONFIDENCE) / 2.0, len(values), 0.5)) - 1, 0)
@@ -114,10 +112,6 @@ class _PolicyScore(NamedTuple):
     comfortable: bool  # whether the discomfort is within the limit, if there is one
     value: float  # mean return; minus the discomfort of a policy that exceeds the limit
 
-    def in_words(self) -> str:
-        """The figure in words."""
-        return f"mean return {self.value:.4g}" if self.comfortable else f"discomfort {abs(self.value):.4g} s"
-
 
 @dataclass(frozen=True)
 class Watched:
@@ -132,21 +126,20 @@ class Evaluations(BaseCallback):
     """Tries the policy on the validation cohort every so many steps, and keeps the best one.
 
     Each time it plays twice: with the most likely actions, which all figures but ``return_sampled`` are of, and with
-    drawn ones. The first row of ``evaluations.csv`` is the untrained policy on the first `FEW` patients, so that the
-    learning begins soon, and the next ones are compared with it on these. The last row is the final policy.
+    drawn ones. The first row of ``evaluations.csv`` is the untrained policy, the last one the final policy. The first
+    rows follow each other sooner: at an eighth of ``every_steps``, a quarter and a half.
 
     Args:
         run: where the table goes.
         config: how often, and on whom.
         worlds: one world per patient, for evaluation only.
-        few: the same for the first `FEW` of these patients.
         keep: writes the policy as it is now, as the run's best.
         watched: progress, reports and interruption.
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
         sampled: whether it also plays with drawn actions, as an algorithm learns from.
 
     Attributes:
-        best: score of the best policy, and its steps; None before the first row.
+        best: row of the best policy; None before the first row.
         last: steps of the latest row; None before the first.
     """
 
@@ -155,7 +148,6 @@ class Evaluations(BaseCallback):
         run: RunFolder,
         config: EvaluationConfig,
         worlds: VecEnv,
-        few: VecEnv,
         keep: Callable[[], None],
         watched: Watched,
         *,
@@ -164,11 +156,11 @@ class Evaluations(BaseCallback):
     ) -> None:
         super().__init__()
         self._sampled = sampled
-        self._run, self._config, self._worlds, self._few, self._keep = run, config, worlds, few, keep
+        self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
         self._progress, self._interrupted, self._report = watched.progress, watched.interrupted, watched.report
         self._limit = largest_discomfort_s
-        self.best: tuple[_PolicyScore, int] | None = None
-        self._first: tuple[_PolicyScore, int] | None = None
+        self.best: Row | None = None
+        self._first: Row | None = None
         self.last: int | None = None
         for row in read_evaluations(run.path):
             self.last = int(row["steps"])
@@ -178,10 +170,11 @@ class Evaluations(BaseCallback):
         self._show_best()
 
     def _on_rollout_start(self) -> None:
+        every = self._config.every_steps
         if self.last is None:
-            self._progress.say(f"evaluating {_BEGINNING} on {self._few.num_envs} patients")
-            self.evaluate(self._few)
-        elif self.model.num_timesteps - self.last >= self._config.every_steps:
+            self._progress.say(f"evaluating {_BEGINNING} on {self._worlds.num_envs} patients")
+            self.evaluate(self._worlds)
+        elif self.model.num_timesteps - self.last >= min(max(self.last, every / 8), every):
             self.evaluate(self._worlds)
 
     def _on_step(self) -> bool:
@@ -217,21 +210,16 @@ class Evaluations(BaseCallback):
         if self._report is not None:
             self._report(self.last, row)
 
-    def _compare(self, row: dict[str, float]) -> bool:
+    def _compare(self, row: Row) -> bool:
         """Whether a row is the best so far; then it is kept as that."""
-        steps, score = int(row["steps"]), self._score(row)
-        if self._first is None:
-            self._first = (score, steps)
-        if self.best is not None:
-            compared = self._score(row, "_few") if self.best == self._first else score
-            if compared <= self.best[0]:
-                return False
-        self.best = (score, steps)
-        return True
+        self._first = self._first or row
+        better = self.best is None or self._score(row) > self._score(self.best)
+        if better:
+            self.best = row
+        return better
 
-    def _score(self, row: dict[str, float], of: str = "") -> _PolicyScore:
-        """Score of a row, or of its few patients, which older tables have not."""
-        gain, discomfort = (row.get(f"{name}{of}", row.get(name, 0.0)) for name in ("return", "discomfort_s"))
+    def _score(self, row: Row) -> _PolicyScore:
+        gain, discomfort = row.get("return", 0.0), row.get("discomfort_s", 0.0)
         if self._limit is not None and discomfort > self._limit:
             return _PolicyScore(False, -discomfort)
         return _PolicyScore(True, gain)
@@ -250,9 +238,17 @@ class Evaluations(BaseCallback):
     def _show_best(self) -> None:
         if self.best is None or self._first is None:
             return
-        score, steps = self.best
-        said = f"as good as {_BEGINNING}, so far: {score.in_words()}"
-        if steps:
-            first = f"{self._first[0].in_words()} on {self._few.num_envs} patients"
-            said = f"best: {score.in_words()} at {steps:,}; {_BEGINNING} had {first}"
-        self._progress.note("best", said)
+        said = [f"{_BEGINNING}: {in_words(self._first)}"]
+        if self.best["steps"]:
+            said.insert(0, f"best at {self.best['steps']:,.0f}: {in_words(self.best)}")
+        self._progress.note("best", "; ".join(said))
+
+
+def in_words(row: Row) -> str:
+    """The figures of a row that a reader compares; the return of an environment that reports none of them."""
+    words = {
+        "worst_sd": f"worst error bar {100.0 * row.get('worst_sd', 0.0):.3g} %",
+        "known_s": f"all within {100.0 * KNOWN:g} % after {row.get('known_s', 0.0):.2g} s",
+        "discomfort_s": f"discomfort {row.get('discomfort_s', 0.0):.2g} s in 30 s",
+    }
+    return ", ".join(text for name, text in words.items() if name in row) or f"return {row['return']:.4g}"

@@ -26,7 +26,7 @@ from jawenv.playing.policies.residual import BaseTargets
 from training.run.algorithms import make_model, plain_policy
 from training.run.callbacks import Interrupt, Multiplier, Upkeep
 from training.run.config import EnvConfig, TrainingConfig
-from training.run.evaluations import FEW, Evaluations, Report, Watched
+from training.run.evaluations import Evaluations, Report, Watched, in_words
 from training.run.export import write_run_policy
 from training.run.folder import RunFolder, damaged, read_counts
 from training.run.pathwise import APG
@@ -131,7 +131,6 @@ class TrainingSession:
         self._multiplier = None if config.comfort is None else Multiplier(config.comfort)
         self._worlds = worlds_for(config.env, config.n_envs, base, self._multiplier)
         self._validation = worlds_for(config.env, config.evaluation.patients, base)
-        self._few = worlds_for(config.env, min(FEW, config.evaluation.patients), base)
         self.model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
         if self._world is not None and plain_policy(self.model, config) is None:
@@ -151,7 +150,7 @@ class TrainingSession:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        for worlds in (self._worlds, self._validation, self._few, self._priced):
+        for worlds in (self._worlds, self._validation, self._priced):
             if worlds is not None:
                 worlds.close()
 
@@ -219,7 +218,6 @@ class TrainingSession:
             self.run,
             self.config.evaluation,
             self._validation,
-            self._few,
             self.keep,
             watched,
             largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
@@ -246,12 +244,10 @@ class TrainingSession:
         steps = self.model.num_timesteps
         rate = (steps - self._from_step) / seconds
         assert evaluations.best is not None
-        score, best_steps = evaluations.best
-        played = self._validation if best_steps else self._few
         self._console.print(
             f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best on "
-            f"{played.num_envs} validation patients: {score.in_words()} "
-            f"after {best_steps:,} steps: {self.run.path}",
+            f"{self._validation.num_envs} validation patients after {evaluations.best['steps']:,.0f} steps: "
+            f"{in_words(evaluations.best)}: {self.run.path}",
             soft_wrap=True,
         )
 
