@@ -63,7 +63,6 @@ def test_a_player_is_played_in_its_control(control: str) -> None:
         (jawenv.Player("slow_opening", control="targets"), "force"),
         (jawenv.Player("slow_opening", control="force"), "targets"),
         (load_agent("ppo_trismus"), "force"),
-        (load_agent("ppo_force", control="force"), "targets"),
         (load_agent("clairvoyant"), "trajectory"),
     ],
     ids=lambda value: getattr(value, "name", value),

@@ -34,7 +34,6 @@ from jawenv.references.extended_kalman import ExtendedKalman
 from jawenv.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
 from jawenv.rendering import Renderer
 from training.run.config import Residual, TrainingConfig
-from training.run.seeds import _parsed
 from training.search.gradient import search
 
 nan, inf = np.nan, np.inf
@@ -182,7 +181,6 @@ AGENTS = [
 ]
 COMMANDS = [
     ("nowhere.yaml file", lambda: TrainingConfig.load("nowhere.yaml")),
-    *(("seeds", lambda s=s: _parsed(s)) for s in ("", "a", "1-", "-1", "2-1", "0-5000", "1;2", "1.5")),
     ("knees trismus", lambda: search("chirp", "knees", 1, 1, 1.0)),
     ("nothing.yaml file", lambda: search("nothing.yaml", "trismus", 1, 1, 1.0)),
     ("episode_s -1 allowed", lambda: search("chirp", "trismus", 1, 1, -1.0)),

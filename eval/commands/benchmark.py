@@ -21,7 +21,6 @@ BASELINES = (
     "refined_one_sided",
     "apg_asked",
     "ppo_trismus",
-    "ppo_force",
     "apg_imaged",
     "apg_anyone",
 )

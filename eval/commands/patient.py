@@ -13,8 +13,10 @@ from eval.commands.options import terminal, typed
 from jawenv.base.seeds import REPORTS
 from jawenv.ladder import DEFAULT_ENV, env_id_of
 
+CLINIC = {"cohort": "anyone", "knowledge": "bench"}  # in jawenv/Jaw; elsewhere the environment's own knowledge
 
-@options.takes_world()
+
+@options.takes_world(defaults=CLINIC)
 def _patient_command(
     world: dict[str, Any],
     entry: options.Entry,
@@ -81,4 +83,4 @@ def _patient_command(
 def as_a_clinic(world: dict[str, Any]) -> dict[str, Any]:
     """Arguments of a world of whose patient nothing is known: a cohort that is named stays, an exact anatomy too."""
     reference = env_id_of(world["env"]) == DEFAULT_ENV
-    return {"cohort": "anyone"} | ({"knowledge": "bench"} if reference else {}) | world
+    return {name: value for name, value in CLINIC.items() if name == "cohort" or reference} | world

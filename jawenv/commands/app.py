@@ -50,7 +50,7 @@ def _live_command(
 
 
 @app.command("score")
-@options.takes_world()
+@options.takes_world(otherwise="; a policy's own")
 def _score_command(
     maneuver: options.Maneuver,
     world: dict[str, Any],
@@ -69,10 +69,7 @@ def _identify_command(
         list[Path], typer.Argument(metavar="RECORDING...", help=".csv or .parquet files of one patient.")
     ],
     cohort: options.Cohort = None,
-    knowledge: Annotated[
-        str | None,
-        typer.Option(help="What is known of anatomy and device: exact or imaged, or a file.", metavar="NAME"),
-    ] = None,
+    knowledge: options.Knowledge = None,
     columns: options.Columns = None,
     resample: options.Resample = None,
     before: Annotated[
@@ -130,7 +127,7 @@ def _suggest_command(
         str | None, typer.Option(help="Muscle whose error bars count, or a word of several.", metavar="NAME")
     ] = None,
     cohort: options.Cohort = None,
-    knowledge: Annotated[str | None, typer.Option(help="What is known of anatomy and device.", metavar="NAME")] = None,
+    knowledge: options.Knowledge = None,
     columns: options.Columns = None,
     resample: options.Resample = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an older maneuver.")] = False,

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from jawenv.base.errors import InputError, shown
+from jawenv.base.errors import InputError, not_among, shown
 from jawenv.base.files import FILE_TYPES
 
 Maneuver = Annotated[
@@ -19,7 +19,17 @@ Maneuver = Annotated[
 ]
 Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
 Cohort = Annotated[
-    str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
+    str | None,
+    typer.Option(
+        help="Population that the patient is believed to come from; anyone unless the recording says.", metavar="NAME"
+    ),
+]
+Knowledge = Annotated[
+    str | None,
+    typer.Option(
+        help="What is known of anatomy and device: exact, imaged or bench, or a file; bench unless the recording says.",
+        metavar="NAME",
+    ),
 ]
 Columns = Annotated[
     Path | None,
@@ -29,83 +39,101 @@ Resample = Annotated[
     float | None, typer.Option(help="Interpolate uneven times to so many rows a second.", metavar="HZ")
 ]
 
-ENV = Annotated[
-    str | None,
-    typer.Option(
-        "--env",
-        "--model",
-        help="Environment, as jawenv/JawSides-v3, JawSides or sides; Jaw, or that of trained runs, by default.",
-        metavar="NAME",
-    ),
-]
-ENVIRONMENT = "env"
+WORLD = "World: patient, device and what the filter knows"
+_ENVIRONMENT, _SET = "env", "settings"
 
 
 def takes_world(
-    *without: str, defaults: Mapping[str, str] | None = None
+    *without: str, defaults: Mapping[str, object] | None = None, otherwise: str = ""
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorator of a command with a parameter ``world``: it has an option for each argument of a world instead.
+    """Decorator of a command with a parameter ``world``: it has the options of a world behind its own instead.
 
     The command gets a mapping of those that were given, ``env`` among them, as ``Configuration.from_mapping`` takes it.
 
     Args:
         without: arguments that the command sets itself.
-        defaults: of arguments that have another default in this command, for the help.
+        defaults: of arguments that have another default in this command, for the help; None says none.
+        otherwise: where a default comes from that is not the one stated, for the help.
     """
 
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         stated = inspect.signature(command, eval_str=True)
-        options = _options(without, defaults or {})
-        parameters = [parameter for parameter in stated.parameters.values() if parameter.name != "world"]
-        index = next(
-            (i for i, parameter in enumerate(parameters) if parameter.default is not parameter.empty), len(parameters)
-        )
+        options = _options(without, defaults or {}, otherwise)
         names = [option.name for option in options]
+        parameters = [*(own for own in stated.parameters.values() if own.name != "world"), *options]
 
         @wraps(command)
         def run(**arguments: Any) -> Any:
-            world = {name: arguments.pop(name) for name in names}
-            return command(
-                **arguments, world=_world({name: value for name, value in world.items() if value not in (None, [])})
-            )
+            given = {name: arguments.pop(name) for name in names}
+            world = {name: value for name, value in given.items() if value not in (None, [])}
+            return command(**arguments, world=_world(world))
 
-        vars(run)["__signature__"] = stated.replace(parameters=[*parameters[:index], *options, *parameters[index:]])
-        run.__annotations__ = {parameter.name: parameter.annotation for parameter in (*parameters, *options)}
+        vars(run)["__signature__"] = stated.replace(
+            parameters=[parameter.replace(kind=parameter.KEYWORD_ONLY) for parameter in parameters]
+        )
+        run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
         return run
 
     return decorated
 
 
-def _options(without: tuple[str, ...], defaults: Mapping[str, str]) -> list[inspect.Parameter]:
+def _options(without: tuple[str, ...], defaults: Mapping[str, object], otherwise: str) -> list[inspect.Parameter]:
     from jawenv.envs.configuration import Configuration
 
-    kinds = {ENVIRONMENT: ENV} | {
-        argument.name: _option(argument, defaults.get(argument.name, argument.default))
-        for argument in fields(Configuration)
-        if argument.metadata["option"]
+    env = "Environment, as jawenv/JawSides-v3, JawSides or sides; Jaw, or that of trained runs, by default."
+    more = "Another argument of the environment (docs/environment.md#arguments), as reward=worst; may be repeated."
+    kinds = {
+        _ENVIRONMENT: _annotated(str, "--env", env, "NAME"),
+        **{
+            argument.name: _option(argument, defaults.get(argument.name, argument.default), otherwise)
+            for argument in fields(Configuration)
+            if argument.metadata["option"]
+        },
+        _SET: _annotated(list[str], "--set", more, "NAME=VALUE"),
     }
     return [
-        inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=None, annotation=kind)
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
         for name, kind in kinds.items()
         if name not in without
     ]
 
 
-def _option(argument: Field[Any], default: Any) -> Any:
+def _option(argument: Field[Any], default: object, otherwise: str) -> Any:
     """The option of an argument: its name, its help and its kind of value."""
-    metadata, name = argument.metadata, f"--{argument.name.replace('_', '-')}"
-    kind = {"fields": list[str], "number": float}.get(metadata["option"], str)
-    said = "" if default is None else f" [default: {default}]"
-    return Annotated[kind | None, typer.Option(name, help=metadata["help"] + said, metavar=metadata["metavar"] or None)]
+    kind = {"fields": list[str], "number": float}.get(argument.metadata["option"], str)
+    said = "" if default is None else f" [default: {default}{otherwise}]"
+    name = f"--{argument.name.replace('_', '-')}"
+    return _annotated(kind, name, argument.metadata["help"] + said, argument.metadata["metavar"])
 
 
-def _world(arguments: Mapping[str, Any]) -> dict[str, Any]:
+def _annotated(kind: Any, name: str, help: str, metavar: str) -> Any:
+    return Annotated[kind | None, typer.Option(name, help=help, metavar=metavar, rich_help_panel=WORLD)]
+
+
+def _world(given: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments as the environment takes them."""
     from jawenv.envs.configuration import Configuration, plain_value
 
-    kinds = {argument.name: argument.metadata["option"] for argument in fields(Configuration)}
-    world = {name: _fields(name, value) if kinds.get(name) == "fields" else value for name, value in arguments.items()}
+    arguments = {argument.name: argument.metadata["option"] for argument in fields(Configuration)}
+    settable = [name for name, option in arguments.items() if not option and name != "model"]
+    world: dict[str, Any] = {}
+    for text in given.get(_SET, ()):
+        name, _, value = text.partition("=")
+        if name not in settable:
+            raise not_among("--set", name, settable)
+        world[name] = _plain(value)
+    for name, value in given.items():
+        if name != _SET:
+            world[name] = _fields(name, value) if arguments.get(name) == "fields" else value
     return {name: plain_value(name, value) if name in _MAY_BE_FILES else value for name, value in world.items()}
+
+
+def _plain(text: str) -> Any:
+    """A number or a truth value that a text says, else the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return {"true": True, "false": False}.get(text.lower(), text)
 
 
 _MAY_BE_FILES = ("cohort", "device", "reality", "knowledge", "comfort", "anatomy")

@@ -51,8 +51,8 @@ def _argument(default: Any, help: str, metavar: str = "", option: str = "") -> A
         default: its default.
         help: a sentence for tables and command lines.
         metavar: what stands for its value there.
-        option: how command lines take it: "value", "number", "fields" (FIELD=VALUE, repeated, or a file); not
-            at all where empty.
+        option: how an option of command lines takes it: "value", "number", "fields" (FIELD=VALUE, repeated, or a
+            file); where it is empty, the argument is given by ``--set NAME=VALUE``.
     """
     return field(default=default, metadata={"help": help, "metavar": metavar, "option": option})
 
@@ -69,7 +69,7 @@ class Configuration:
     control: Control = _argument(
         DEFAULT_CONTROL, "What an action commands: targets, force or trajectory.", "NAME", "value"
     )
-    sensors: Sensors = _argument("pose", "What the encoders measure: pose, or one point.", "NAME", "value")
+    sensors: Sensors = _argument("pose", "What the encoders measure: pose, or one point.")
     reward: str = _argument("uncertainty", f"What is paid for: {', '.join(POTENTIALS)}.")
     cohort: str | Cohort | Source = _argument(
         "trismus",
@@ -78,9 +78,7 @@ class Configuration:
         "value",
     )
     episode_s: float = _argument(30.0, "Length of every episode, s.", "S", "number")
-    control_hz: float | None = _argument(
-        None, "Control steps per second; the control mode's own by default.", "HZ", "number"
-    )
+    control_hz: float | None = _argument(None, "Control steps per second; the control mode's own by default.")
     comfort_weight: float = _argument(0.0, "What a second of discomfort of 1 takes from the reward, nats.")
     comfort_limit_s: float = _argument(0.0, "Discomfort of an episode, s, up to which `comfort_weight` takes nothing.")
     comfort_budget_s: float | None = _argument(
@@ -102,24 +100,17 @@ class Configuration:
     knowledge: str | Knowledge | Source | None = _argument(
         None, "What the filter knows of anatomy and device: exact, imaged, bench, or a file of sds.", "NAME", "value"
     )
-    force_sensor: ForceSensor = _argument(
-        "cell", "How the device knows its force: cell, motors or straps.", "NAME", "value"
-    )
-    comfort: Comfort | Source | None = _argument(
-        None, "File of comfort limits that differ from the default's.", "FILE", "value"
-    )
+    force_sensor: ForceSensor = _argument("cell", "How the device knows its force: cell, motors or straps.")
+    comfort: Comfort | Source | None = _argument(None, "File of comfort limits that differ from the default's.")
     anatomy: Anatomy | Source | None = _argument(
-        None, "File of attachments, mandible and fossa that differ from the default's.", "FILE", "value"
+        None, "File of attachments, mandible and fossa that differ from the default's."
     )
     plant: str | Plant | None = _argument(
-        None, "Mechanics of the true jaw that are the user's own, a class as my_module:MyJaw.", "MODULE:NAME", "value"
+        None, "Mechanics of the true jaw that are the user's own, a class as my_module:MyJaw."
     )
-
     asked: str | None = _argument(
         None,
         "Muscles that are asked for: one by its name, random for one drawn at reset, or a word of several, as left.",
-        "NAME",
-        "value",
     )
 
     def __post_init__(self) -> None:

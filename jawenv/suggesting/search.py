@@ -36,7 +36,7 @@ def searched_actions(
         precision: (N, 12, 12) of the same, with the prior's.
         world: arguments of the environment.
         updates: steps of the search.
-        told: called before each of them, in words.
+        told: called after each of them, in words.
 
     Raises:
         MissingPackageError: torch, or the clone's package of agents, is not installed.
@@ -54,8 +54,8 @@ def searched_actions(
     treated = constants.Patients.of_worlds(simulation.worlds)
     twin, known = constants.Twin(simulation), (mean, precision)
 
-    def report(update: int) -> None:
-        told(f"searching, update {update} of {updates}")
+    def report(done: int, *_: object) -> None:
+        told(f"searched, update {done} of {updates}")
 
     asked = np.asarray(simulation.asked)
     found = search.searched(twin, treated, goals_of(actions), updates, asked=asked, known=known, report=report)

@@ -1,5 +1,6 @@
 """The command line of the library, in this process."""
 
+import inspect
 import os
 import subprocess
 import sys
@@ -7,12 +8,17 @@ import time
 from importlib.metadata import version
 
 import pytest
+import typer
 
 import eval.commands.app
 import training.cli
+from eval.commands.patient import CLINIC, as_a_clinic
+from jawenv import InputError
 from jawenv.anatomy import COHORTS
 from jawenv.commands import live
-from jawenv.commands.app import OPENS_WITH, main
+from jawenv.commands.app import OPENS_WITH, app, main
+from jawenv.commands.options import WORLD, takes_world
+from jawenv.envs.configuration import Configuration
 from jawenv.ladder import MODELS
 from jawenv.live.session import DriveSession
 from jawenv.live.setup import Setup
@@ -71,11 +77,13 @@ def test_list_of_agents_says_where_the_rest_is(capsys):
     assert any(line.startswith("apg_asked") and "one muscle asked" in line for line in lines)
 
 
-@pytest.mark.parametrize(("name", "id"), [("ppo_force", "Jaw-v3"), ("apg_imaged", "JawImaged-v3"), ("zero", "Jaw-v3")])
+@pytest.mark.parametrize(
+    ("name", "id"), [("ppo_trismus", "Jaw-v3"), ("apg_imaged", "JawImaged-v3"), ("zero", "Jaw-v3")]
+)
 def test_a_policy_is_scored_in_the_world_of_its_training(name, id, capsys):
     assert main(["score", name, "--patients", "2", "--episode-s", "1"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith(f"{name} in jawenv/{id} on 2 patients")
+    assert out.startswith(f"{name} in jawenv/{id}-v3 on 2 patients")
 
 
 def test_a_policy_is_scored_elsewhere_on_request_or_refused_in_one_line(capsys):
@@ -98,9 +106,12 @@ def test_score_takes_a_comfort_an_anatomy_and_a_force_sensor(tmp_path, capsys):
     (tmp_path / "jaw.toml").write_text("mandible = {mass_kg = 0.4}\n")
     (tmp_path / "body.toml").write_text("".join(f"{name} = {value}\n" for name, value in BODY.items()))
     own = [
-        ("--comfort", str(tmp_path / "strict.toml")),
-        ("--anatomy", str(tmp_path / "jaw.toml")),
-        *(("--force-sensor", sensor, "--knowledge", str(tmp_path / "body.toml")) for sensor in ("motors", "straps")),
+        ("--set", f"comfort={tmp_path / 'strict.toml'}"),
+        ("--set", f"anatomy={tmp_path / 'jaw.toml'}"),
+        *(
+            ("--set", f"force_sensor={sensor}", "--knowledge", str(tmp_path / "body.toml"))
+            for sensor in ("motors", "straps")
+        ),
     ]
     said = []
     for each in [(), *own]:
@@ -128,6 +139,54 @@ def test_lives_help_says_whom_the_page_opens_with(capsys):
     assert main(["live", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.replace("│", " ").split())
     assert f"[default: {OPENS_WITH['cohort']}]" in said
+
+
+def commands():
+    """Every command of the three command lines, by its words."""
+    for name, line in (("eval", eval.commands.app.commands()), ("training", training.cli.app), ("jawenv", app)):
+        for command, held in typer.main.get_command(line).commands.items():
+            yield f"{name} {command}", {each.name: each for each in held.params if hasattr(each, "rich_help_panel")}
+
+
+def test_a_command_s_own_options_come_first_and_the_world_s_are_in_a_panel():
+    with_a_world = 0
+    for _, held in commands():
+        of_world = [each.rich_help_panel == WORLD for each in held.values() if each.param_type_name == "option"]
+        assert of_world == sorted(of_world)
+        with_a_world += any(of_world)
+    assert with_a_world >= 9
+
+
+@pytest.mark.parametrize(
+    ("command", "cohort", "knowledge"),
+    [
+        ("eval patient", *CLINIC.values()),
+        ("eval compare", Configuration().cohort.name, None),
+        ("jawenv live", OPENS_WITH["cohort"], None),
+        ("training train", None, None),
+    ],
+)
+def test_help_states_the_defaults_that_the_command_uses(command, cohort, knowledge):
+    assert CLINIC.items() <= as_a_clinic({"env": "Jaw"}).items()
+    held = dict(commands())[command]
+    for name, default in {"cohort": cohort, "knowledge": knowledge}.items():
+        assert held[name].help.partition("[default: ")[2].strip("]") == (default or "")
+
+
+def test_another_argument_of_a_world_is_set_by_its_name():
+    def command(world: dict) -> dict:
+        return world
+
+    given = dict.fromkeys(inspect.signature(takes_world()(command)).parameters)
+    texts = ["reward=worst", "comfort_weight=0.5", "record=true"]
+    assert takes_world()(command)(**given | {"settings": texts}) == {
+        "reward": "worst",
+        "comfort_weight": 0.5,
+        "record": True,
+    }
+    for text in ("rewrad=worst", "cohort=wide", "model=sides"):
+        with pytest.raises(InputError, match="^--set is "):
+            takes_world()(command)(**given | {"settings": [text]})
 
 
 def test_a_terminated_live_page_saves_what_was_driven(tmp_path):
@@ -170,7 +229,7 @@ def interrupt(page):
     [
         (["list", "birds"], "list is 'birds'; allowed: maneuvers, agents, cohorts, models"),
         (["score", "nope"], "agent is 'nope'; allowed: chirp"),
-        (["score", "refined", "--model", "bird"], "env is 'bird'; allowed: jawenv/JawHinge-v3"),
+        (["score", "refined", "--env", "bird"], "env is 'bird'; allowed: jawenv/JawHinge-v3"),
         (["identify", "nowhere.csv"], "nowhere.csv"),
         (["identify", "README.md", "--knowledge", "vague"], "README.md"),
         (["live", "nowhere.csv"], "nowhere.csv"),
@@ -178,9 +237,12 @@ def interrupt(page):
         (["live", "--port", "70000"], "port is 70000; allowed"),
         (["live", "--port", "0", "--driver", "nope"], "driver is 'nope'; allowed: you, apg_anyone"),
         (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
-        (["score", "refined", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
-        (["score", "refined", "--force-sensor", "spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),
-        (["live", "--anatomy", "nowhere.toml"], "nowhere.toml: no such file"),
+        (["score", "refined", "--set", "comfort=nowhere.toml"], "nowhere.toml: no such file"),
+        (
+            ["score", "refined", "--set", "force_sensor=spring"],
+            "force_sensor is 'spring'; allowed: cell, motors, straps",
+        ),
+        (["live", "--set", "anatomy=nowhere.toml"], "nowhere.toml: no such file"),
         (["fly"], "No such command"),
     ],
 )

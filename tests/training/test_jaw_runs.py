@@ -48,7 +48,8 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     files = {"jaw.yaml": CONFIG, "strict.toml": "force_N = 8.0\n", "jaw.toml": "mandible = {mass_kg = 0.25}\n"}
     for name, text in files.items():
         (folder / name).write_text(text)
-    own = ["--comfort", folder / "strict.toml", "--anatomy", folder / "jaw.toml", "--force-sensor", "straps"]
+    given = {"comfort": folder / "strict.toml", "anatomy": folder / "jaw.toml", "force_sensor": "straps"}
+    own = [word for name, value in given.items() for word in ("--set", f"{name}={value}")]
     asked = [folder / "jaw.yaml", "--output", folder / "run", "--residual-on", "refined", *own]
     assert main(["train", *map(str, asked)]) == 0
     for name in files:

@@ -19,7 +19,7 @@ PARITY = 1e-6
 @pytest.mark.parametrize("name", policy_names())
 def test_it_decides_as_the_policy(name, tmp_path):
     file = tmp_path / "policy.onnx"
-    assert main(["onnx", name, "--output", str(file)]) == 0
+    assert main(["export", name, "--output", str(file)]) == 0
     session = onnxruntime.InferenceSession(file, providers=["CPUExecutionProvider"])
     contract = session.get_modelmeta().custom_metadata_map
     kwargs = json.loads(contract["environment"]) | {"control": "targets", "control_hz": 5.0, "episode_s": 6.0}
@@ -41,7 +41,7 @@ def test_it_decides_as_the_policy(name, tmp_path):
 
 def test_the_file_says_what_goes_in_and_out(tmp_path):
     file = tmp_path / "policy.onnx"
-    assert main(["onnx", "ppo_trismus", "--output", str(file)]) == 0
+    assert main(["export", "ppo_trismus", "--output", str(file)]) == 0
     session = onnxruntime.InferenceSession(file, providers=["CPUExecutionProvider"])
     contract = session.get_modelmeta().custom_metadata_map
     parts = json.loads(contract["observation"])
@@ -52,5 +52,7 @@ def test_the_file_says_what_goes_in_and_out(tmp_path):
 
 
 def test_what_is_no_policy_is_refused(tmp_path, capsys):
-    assert main(["onnx", "slow_opening", "--output", str(tmp_path / "policy.onnx")]) == 2
+    assert main(["export", "slow_opening", "--output", str(tmp_path / "policy.onnx")]) == 2
     assert "policy is 'slow_opening'; allowed: a shipped" in capsys.readouterr().err
+    assert main(["export", "ppo_trismus", "--output", str(tmp_path / "policy.onxx")]) == 2
+    assert "policy.onxx; allowed: a folder, or a file that ends in .onnx" in capsys.readouterr().err

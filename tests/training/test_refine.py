@@ -5,6 +5,7 @@ import pytest
 import torch
 
 from agents.twin.constants import Patients, Twin
+from agents.twin.search import cost_of
 from agents.twin.worlds import Worlds
 from jawenv.base.locks import alone
 from jawenv.playing.maneuvers import Maneuver
@@ -20,9 +21,12 @@ def test_what_is_found_is_better_than_the_beginning():
     env = gym.make_vec("jawenv/Jaw-v3", 8, cohort="trismus", episode_s=2.0, autoreset_mode="disabled")
     env.reset(seed=6000)
     twin, patients = Twin(env.unwrapped.simulation), Patients.of_worlds(env.unwrapped.simulation.worlds)
-    beginning = Maneuver.named("refined").targets(gradient.DECISION_S * torch.arange(1.0, 11.0).numpy()).value
+    beginning = Maneuver.named("refined").targets(0.2 * torch.arange(1.0, 11.0).numpy()).value
     with torch.no_grad():
-        worst = [gradient.play(Worlds(twin, patients), torch.tensor(each))[0].mean() for each in (found, beginning)]
+        worst = [
+            cost_of(Worlds(twin, patients), torch.tensor(each).expand(8, -1, -1), 0.0).mean()
+            for each in (found, beginning)
+        ]
     assert worst[0] < worst[1] - 0.01
 
 
@@ -50,9 +54,9 @@ def test_what_cannot_be_written_is_refused_first(tmp_path, capsys, name):
 
 
 def test_a_search_that_was_stopped_leaves_nothing(tmp_path, capsys, monkeypatch):
-    def interrupted(*_):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(gradient, "play", interrupted)
+    monkeypatch.setattr(gradient, "searched", interrupted)
     assert main([*COMMAND, str(tmp_path / "mine.yaml")]) == 130
     assert "begins anew" in capsys.readouterr().err and not list(tmp_path.iterdir())

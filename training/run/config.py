@@ -25,8 +25,6 @@ BASE_FILE = "base_maneuver.json"
 PositiveInt = Annotated[int, Field(gt=0, strict=True)]
 PositiveNumber = Annotated[Number, Field(gt=0.0)]
 Activation = Literal["tanh", "relu", "elu"]
-_NAMED = {"ppo": "PPO", "recurrent_ppo": "RecurrentPPO", "sac": "SAC", "tqc": "TQC", "apg": "APG"}
-"""Sections that an algorithm's arguments do not stand in -> its class."""
 
 
 class EnvConfig(InputModel):
@@ -137,16 +135,6 @@ class TrainingConfig(InputModel):
     evaluation: EvaluationConfig = EvaluationConfig()
     checkpoints: _CheckpointConfig = _CheckpointConfig()
 
-    @model_validator(mode="before")
-    @classmethod
-    def _names_classes(cls, data: Any) -> Any:
-        for name, named in _NAMED.items() if isinstance(data, Mapping) else ():
-            if name in data:
-                raise ValueError(f"section {name!r} is unknown; allowed: 'arguments' of {named}, and 'network'")
-            if data.get("algorithm") == name:
-                raise ValueError(f"algorithm is {name!r}; allowed: the class {named}, with 'arguments' and 'network'")
-        return data
-
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         weight = self.env.kwargs.get("comfort_weight", 0.0)
@@ -190,7 +178,7 @@ def asked_for(
         **values: other values of the configuration. What is None is not asked for.
     """
     if name is None:
-        raise InputError("CONFIG is missing: name a shipped configuration such as ppo or sac, or a YAML file")
+        raise InputError("CONFIG is missing: name a shipped configuration such as apg or ppo, or a YAML file")
     source = config_file(name)
     env = world.get("env")
     env_id = None if env is None else env_id_of(env)

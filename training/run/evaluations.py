@@ -199,6 +199,8 @@ class Evaluations(BaseCallback):
             "return_sd": float(outcome.figures["return"].std()),
         }
         row = {name: figures[name] for name in COLUMNS if name in figures}
+        begun = _BEGINNING if self._first is None else f"after {self.last:,} steps"
+        self._progress.say(f"{begun}, {worlds.num_envs} patients: {in_words(row)}")
         # The row last: a run that is killed before it evaluates again, and keeps the policy again.
         if self._compare({**row, "steps": self.last}):
             self._keep()
@@ -236,12 +238,8 @@ class Evaluations(BaseCallback):
             writer.writerow({"steps": self.last} | {name: f"{value:.6g}" for name, value in row.items()})
 
     def _show_best(self) -> None:
-        if self.best is None or self._first is None:
-            return
-        said = [f"{_BEGINNING}: {in_words(self._first)}"]
-        if self.best["steps"]:
-            said.insert(0, f"best at {self.best['steps']:,.0f}: {in_words(self.best)}")
-        self._progress.note("best", "; ".join(said))
+        if self.best is not None and self._first is not None and self.best["steps"]:
+            self._progress.note("best", f"best: {in_words(self.best)}; at the beginning: {in_words(self._first)}")
 
 
 def in_words(row: Row) -> str:

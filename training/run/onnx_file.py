@@ -69,6 +69,8 @@ def write_onnx(policy: Path, output: Path) -> None:
         InputError: no such policy, one with a memory, or without a maneuver, or a file that cannot be written.
         MissingPackageError: onnx is not installed.
     """
+    if output.suffix != ".onnx":
+        raise InputError(f"--output is {output}; allowed: a folder, or a file that ends in .onnx")
     folder = policy_folder(policy)
     if folder is None:
         raise InputError(

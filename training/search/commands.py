@@ -1,10 +1,10 @@
-"""The commands ``refine``, which writes maneuver files, and ``twin``, by which it goes."""
+"""The command ``refine``, which writes maneuver files."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 import yaml
@@ -14,26 +14,9 @@ from jawenv.base.errors import InputError
 from jawenv.base.files import write_text
 from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
-from jawenv.base.seeds import TUNING
-from jawenv.commands.options import takes_world
 
 SOURCE = "optimal input design (Goodwin and Payne 1977, chapter 6) by Adam (Kingma and Ba 2015) through the twin"
 _INTERRUPTED = 130
-
-
-@takes_world()
-def twin(
-    world: dict[str, Any],
-    patients: Annotated[int, typer.Option(help="How many are compared.", metavar="N")] = 120,
-    seed: Annotated[int, typer.Option(help="Of the first.", metavar="N")] = TUNING.start,
-    agent: Annotated[
-        str | None, typer.Option(help="Agent on whose path they are compared.", metavar="MANEUVER|FILE|RUN")
-    ] = None,
-) -> None:
-    """Compare the differentiable twin with the environment and its filter, over 10 s of maneuvers or an agent."""
-    from training.search.agreement import agreement
-
-    Console(highlight=False, markup=False).print(agreement(world, patients, seed, agent).table(), soft_wrap=True)
 
 
 def refine(

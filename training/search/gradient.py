@@ -1,8 +1,7 @@
 """One maneuver for all patients, searched by the gradient of the twin.
 
-Adam (Kingma & Ba 2015, arXiv:1412.6980) on offsets of the targets, one for each channel and 0.4 s: of single decisions
-they would make the jaw tremble. Each update takes new patients. Discomfort has a price that is learned, so that it is
-within its limit on average in the environment, which has more of it than the twin.
+The search of `agents.twin.search` with new patients in each update. Discomfort has a price that is learned, so that it
+is within its limit on average in the environment, which has more of it than the twin.
 """
 
 from __future__ import annotations
@@ -13,13 +12,10 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
-import torch
-from torch import Tensor
 
 import jawenv  # noqa: F401  registers its environments
 from agents.twin.constants import Patients, Twin
-from agents.twin.objective import log_worst, weights
-from agents.twin.worlds import Worlds
+from agents.twin.search import searched
 from jawenv.base.seeds import TUNING
 from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST
 from jawenv.ladder import DEFAULT_ENV
@@ -30,11 +26,7 @@ from jawenv.playing.policies.following import DECISION_HZ
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig
 
-KNOT_S = 0.4
 TARGET_DISCOMFORT_S = 0.1  # in 30 s, on average
-LEARNING_RATE = 0.03  # of Adam at first; it falls to a tenth
-SCALE = torch.tensor([0.25, 0.4, 0.1, 0.4], dtype=torch.float64)
-"""Of the channels' steps."""
 PER_30_S = 30.0
 DECISION_S = 1.0 / DECISION_HZ
 
@@ -63,60 +55,41 @@ def search(
     env.reset(seed=TUNING.start)
     simulation = env.unwrapped.simulation
     twin = Twin(simulation)
-    steps = round(horizon_s / twin.decision_s)
-    times = twin.decision_s * np.arange(1, steps + 1, dtype=np.float64)
-    knots = np.arange(0.0, horizon_s + KNOT_S, KNOT_S)
-    start = torch.tensor(maneuver.targets(times).value)
-    between = torch.tensor(np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None))
-    x = torch.zeros(len(knots), start.shape[1], dtype=torch.float64, requires_grad=True)
-    optimiser = torch.optim.Adam([x], LEARNING_RATE, betas=(0.8, 0.95))
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, updates, 0.1 * LEARNING_RATE)
-    limit = ComfortConfig(target_discomfort_s=TARGET_DISCOMFORT_S, initial_multiplier=2.0)
-    price = Multiplier(limit)
-    for update in range(updates):
-        worlds = Worlds(twin, Patients.of_worlds(simulation.worlds))
-        targets = start + between @ x * SCALE
-        worst, discomfort = play(worlds, targets)
-        loss = (worst + price.value * discomfort).mean()
-        optimiser.zero_grad()
-        loss.backward()  # type: ignore[no-untyped-call]
-        optimiser.step()
-        schedule.step()
-        per_30_s = PER_30_S / horizon_s * _discomfort_of(env, within_reach(targets.detach(), twin.decision_s))
-        price.update(per_30_s)
-        report(update + 1, float(log_worst(worlds).detach().mean()), per_30_s)
+    times = twin.decision_s * np.arange(1, round(horizon_s / twin.decision_s) + 1, dtype=np.float64)
+    price = Multiplier(ComfortConfig(target_discomfort_s=TARGET_DISCOMFORT_S, initial_multiplier=2.0))
+
+    def tried(done: int, targets: Array, worst: float) -> None:
+        felt = PER_30_S / horizon_s * _discomfort_of(env, within_reach(targets[0], twin.decision_s))
+        price.update(felt)
+        report(done, worst, felt)
         env.reset()
+
+    found = searched(
+        twin,
+        lambda: Patients.of_worlds(simulation.worlds),
+        maneuver.targets(times).value[None],
+        updates,
+        price=lambda: price.value,
+        report=tried,
+    )
     env.close()
-    found: Array = within_reach(start + between @ x.detach() * SCALE, twin.decision_s).numpy()
-    return found
+    return within_reach(found[0], twin.decision_s)
 
 
-def play(worlds: Worlds, targets: Tensor) -> tuple[Tensor, Tensor]:
-    """Weighted ``log_worst`` (P,) and discomfort (P,), s, of targets (T, 4)."""
-    marks = weights(len(targets))
-    worst = discomfort = worlds.patients.theta.new_zeros(len(worlds.patients))
-    for step, target in enumerate(targets, 1):
-        discomfort = discomfort + worlds.step(target.expand(len(worlds.patients), -1))
-        if step in marks:
-            worst = worst + marks[step] * log_worst(worlds)
-    return worst, discomfort
-
-
-def _discomfort_of(env: Any, targets: Tensor) -> float:
+def _discomfort_of(env: Any, targets: Array) -> float:
     """Mean discomfort, s, of targets (T, 4) for the patients of an environment after its ``reset``."""
     cost = 0.0
-    for target in action_of(targets.numpy()):
+    for target in action_of(targets):
         info = env.step(np.tile(target.astype(np.float32), (env.num_envs, 1)))[-1]
         cost += float(info["cost"].mean())
     return cost / DECISION_HZ
 
 
-def within_reach(targets: Tensor, decision_s: float) -> Tensor:
+def within_reach(targets: Array, decision_s: float) -> Array:
     """The targets (T, 4) that a device reaches that follows these."""
-    low, most = targets.new_tensor(LOWEST), decision_s * targets.new_tensor(FASTEST_TARGET)
-    reached, place = [], torch.zeros_like(targets[0])
-    for target in targets:
-        goal = torch.maximum(target.clamp(max=HIGHEST), low)
-        place = place + torch.maximum(torch.minimum(goal - place, most), -most)
-        reached.append(place)
-    return torch.stack(reached)
+    most = decision_s * np.array(FASTEST_TARGET)
+    reached, place = np.clip(targets, LOWEST, HIGHEST), np.zeros(targets.shape[1])
+    for i, goal in enumerate(reached):
+        place = place + np.clip(goal - place, -most, most)
+        reached[i] = place
+    return reached

@@ -6,11 +6,11 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import torch
+from agreement import agreement
 
 from agents.twin.constants import Patients, Twin
 from agents.twin.disturbance import Disturbance
 from agents.twin.mechanics import Jaw
-from training.search.agreement import agreement
 
 STEP = 1e-4
 POSE = torch.tensor([[6e-3, 1e-3, 0.15, 0.05, -0.06]], dtype=torch.float64)

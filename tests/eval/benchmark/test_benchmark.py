@@ -100,9 +100,9 @@ def test_the_list_names_every_task(capsys):
 
 
 def test_an_agent_plays_the_tasks_of_its_environment_in_its_own_control():
-    cells = cells_of(["ppo_force", "slow_opening"], tasks_named(["hinge-exact", "jaw-exact"]))[::2]
+    cells = cells_of(["ppo_trismus", "slow_opening"], tasks_named(["hinge-exact", "jaw-exact"]))[::2]
     assert [tuple(cell.levels.values())[:2] for cell in cells] == [
-        ("jaw-exact", "ppo_force"),
+        ("jaw-exact", "ppo_trismus"),
         ("hinge-exact", "slow_opening"),
         ("jaw-exact", "slow_opening"),
     ]

@@ -208,8 +208,8 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
         (["hold_still", "--env", "Knee"], "env is 'Knee'; allowed"),
         (["hold_still", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
         (["hold_still", "--comfort", "strict"], "strict: unknown file type ''; allowed: .json, "),
-        (["hold_still", "--anatomy", "README.md"], "README.md: unknown file type '.md'"),
-        (["hold_still", "--force-sensor", "spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),
+        (["hold_still", "--set", "anatomy=README.md"], "README.md: unknown file type '.md'"),
+        (["hold_still", "--set", "force_sensor=spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(arguments, told, tmp_path, capsys):

@@ -80,7 +80,7 @@ def test_a_comfort_an_anatomy_and_a_force_sensor_of_ones_own_are_another_study(t
     own["knowledge"] = tmp_path / "body.toml"
     own["knowledge"].write_text("".join(f"{name} = {value}\n" for name, value in BODY.items()))
     given = [text for name, file in own.items() for text in (f"--{name}", str(file))]
-    sensors = [["--force-sensor", sensor, *given[4:]] for sensor in ("motors", "straps")]
+    sensors = [["--set", f"force_sensor={sensor}", *given[4:]] for sensor in ("motors", "straps")]
     for each in (given[:2], given[2:4], *sensors, given[:4]):
         assert run("slow_opening", *SHORT, *output, *each) == 0
     assert len(plays.names) == 6
@@ -114,7 +114,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["hold_still", "--seed", "-1"], "seed is -1; allowed"),
         (["hold_still", "--seed", str(10**24)], "; allowed: a whole number, 0 to 4294967295"),
         (["hold_still", "--control", "thought"], "control is 'thought'; allowed: force, trajectory"),
-        (["hold_still", "--sensors", "nose"], "sensors is 'nose'; did you mean pose? allowed: pose, point"),
+        (["hold_still", "--set", "sensors=nose"], "sensors is 'nose'; did you mean pose? allowed: pose, point"),
         (["hold_still", "--episode-s", "0"], "episode_s is 0.0; allowed"),
         (["hold_still", "--episode-s", "nan"], "episode_s is nan; allowed"),
         (["hold_still", "--reference", "chirp"], "reference is 'chirp'; allowed: hold_still"),

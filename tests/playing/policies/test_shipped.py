@@ -16,7 +16,6 @@ def test_they_have_names() -> None:
         "apg_anyone",
         "apg_asked",
         "apg_imaged",
-        "ppo_force",
         "ppo_trismus",
     )
     assert policy_folder("ppo_trismus") == SHIPPED / "ppo_trismus"
