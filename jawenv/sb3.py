@@ -48,9 +48,9 @@ class NativeVecEnv(VecEnv):
     made, the `EPISODE_FIGURES` of the last step, ``cost``, the sum of ``info["cost"]`` over the episode's
     steps (safety-gymnasium's episode cost), and ``discomfort_s``, what that is for 30 s. Where the environment tells
     time and sds, there is the largest sd that is asked for at the end (``worst_sd``) and `EARLY_S` after the start, or
-    at the end of a shorter episode (``worst_sd_10s``), and the seconds until it is at `KNOWN`, the episode's length at
-    most (``known_s``). The same figures, and the other numbers of ``final_info``, stand
-    beside ``episode``, where ``VecMonitor(worlds, info_keywords=("cost",))`` finds them.
+    at the end of a shorter episode (``worst_sd_10s``), and the seconds until a settled belief is at `KNOWN`, at most the
+    episode's length (``known_s``). The same figures, and the other numbers of ``final_info``, stand beside ``episode``,
+    where ``VecMonitor(worlds, info_keywords=("cost",))`` finds them.
 
     Attributes:
         discomfort_s: (N,) cost of the latest step times its length, s; 0 where the environment tells no cost or time.
@@ -146,7 +146,9 @@ class NativeVecEnv(VecEnv):
             worst = (sd if asked is None else sd * np.repeat(asked, 2, axis=1)).max(axis=1)
             early = np.isnan(self._early_sd) & ((time_s >= EARLY_S - 1e-9) | done)
             self._early_sd[early] = worst[early]
-            known = np.isnan(self._known_s) & ((worst <= KNOWN) | done)
+            settled = _last(info, "settled", done)
+            sure = (worst <= KNOWN) & (True if settled is None else settled > 0.0)
+            known = np.isnan(self._known_s) & (sure | done)
             self._known_s[known] = time_s[known]
 
     def _checked(self, reward: np.ndarray) -> np.ndarray:

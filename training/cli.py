@@ -79,7 +79,7 @@ def train(
     from training.run.folder import RunFolder
 
     console = Console(highlight=False, markup=False)
-    settings = {
+    settings: dict[str, Any] = {
         "residual_on": residual_on,
         "target_discomfort": target_discomfort,
         "seed": seed,

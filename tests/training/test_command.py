@@ -71,7 +71,7 @@ def test_run_folder_holds_what_is_needed_to_repeat_it(finished: Path) -> None:
 
 def test_policy_gets_better_and_the_best_is_kept(finished: Path) -> None:
     rows = evaluations(finished)
-    assert [row["steps"] for row in rows] == [0, 512, 1024]
+    assert [row["steps"] for row in rows] == [0, 256, 512, 1024]
     assert rows[-1]["return"] > rows[0]["return"] + 0.3
     assert rows[-1]["information_true"] == pytest.approx(0.5 * rows[-1]["information_claimed"], rel=1e-4)
     assert max(rows, key=lambda row: row["return"])["steps"] == 1024
@@ -131,7 +131,7 @@ def test_resume_goes_on_from_model_optimiser_and_steps(
     assert after._n_updates == 2 * before._n_updates
     moments = after.policy.optimizer.state_dict()["state"][0]
     assert moments["step"] == 2 * before.policy.optimizer.state_dict()["state"][0]["step"]
-    assert [row["steps"] for row in evaluations(run)] == [0, 512, 1024]
+    assert [row["steps"] for row in evaluations(run)] == [0, 256, 512, 1024]
     sessions = json.loads((run / "repeat.json").read_text())["sessions"]
     assert [session["from_step"] for session in sessions] == [0, 512]
     assert sessions[0]["world_seed"] != sessions[1]["world_seed"]

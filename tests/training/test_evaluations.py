@@ -169,9 +169,8 @@ def test_the_beginning_and_the_best_are_shown_of_the_same_patients_without_nats(
         assert evaluations._compare(row)
     evaluations._show_best()
     assert progress.describe() == (
-        "best at 32,000: worst error bar 2.93 %, all within 5 % after 5.5 s, discomfort 0.07 s in 30 s; "
-        "the movement that it begins with: worst error bar 3.33 %, all within 5 % after 6.5 s, "
-        "discomfort 0.064 s in 30 s"
+        "best: worst error bar 2.93 %, all within 5 % after 5.5 s, discomfort 0.07 s in 30 s; "
+        "at the beginning: worst error bar 3.33 %, all within 5 % after 6.5 s, discomfort 0.064 s in 30 s"
     )
 
 
