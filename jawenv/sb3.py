@@ -48,9 +48,9 @@ class NativeVecEnv(VecEnv):
     made, the `EPISODE_FIGURES` of the last step, ``cost``, the sum of ``info["cost"]`` over the episode's
     steps (safety-gymnasium's episode cost), and ``discomfort_s``, what that is for 30 s. Where the environment tells
     time and sds, there is the largest sd that is asked for at the end (``worst_sd``) and `EARLY_S` after the start, or
-    at the end of a shorter episode (``worst_sd_10s``), and the seconds until a settled belief is at `KNOWN`, at most the
-    episode's length (``known_s``). The same figures, and the other numbers of ``final_info``, stand beside ``episode``,
-    where ``VecMonitor(worlds, info_keywords=("cost",))`` finds them.
+    at the end of a shorter episode (``worst_sd_10s``), and the seconds until a settled belief is at `KNOWN`, at most
+    the episode's length (``known_s``). The same figures, and the other numbers of ``final_info``, stand beside
+    ``episode``, where ``VecMonitor(worlds, info_keywords=("cost",))`` finds them.
 
     Attributes:
         discomfort_s: (N,) cost of the latest step times its length, s; 0 where the environment tells no cost or time.

@@ -51,6 +51,23 @@ def test_comfort_limits() -> None:
     assert [float(row[3]) for row in rows] == hard
 
 
+def rows_of(text: str) -> list[list[str]]:
+    """Cells of the first table of a text."""
+    lines = text[text.index("\n|") :].strip().splitlines()
+    ends = next((i for i, line in enumerate(lines) if not line.startswith("|")), len(lines))
+    return [[cell.strip(" *`") for cell in line.strip("|").split("|")] for line in lines[:ends]]
+
+
+def test_readmes_seconds_are_those_of_the_table() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    study = (ROOT / "docs" / "tables" / "kept_budget.md").read_text(encoding="utf-8")
+    (heading, _, *rows), said = rows_of(readme.split("## Results")[1]), readme.split("--cohorts ")[1].split("\n")[0]
+    for cohort, (_, *seconds) in zip(said.split(), rows, strict=True):
+        names, _, *entries = rows_of(study.split(f"**{cohort}**")[1])
+        of = {row[0]: f"{float(row[names.index('s to 5 %')]):.1f}" for row in entries}
+        assert seconds == [of[entry.replace("slow opening", "slow_opening")] for entry in heading[1:]], cohort
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_lead_somewhere(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
