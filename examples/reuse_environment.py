@@ -49,7 +49,7 @@ def main() -> None:
     parser.add_argument("--episode-s", type=float, default=30.0)
     episode_s = parser.parse_args().episode_s
 
-    # Everything fibrosed alike, but for a left masseter three times as stiff.
+    # Everything stiff alike, but for a left masseter three times as stiff.
     strength = dict.fromkeys(jawenv.MUSCLE_NAMES, 1.0) | {"masseter_left": 3.0}
     one_episode(jawenv.Patient(F_o_N=strength, b=dict.fromkeys(jawenv.MUSCLE_NAMES, 7.0)), episode_s)
 

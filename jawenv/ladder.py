@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
-from jawenv.base.errors import not_among
+from jawenv.base.errors import InputError, meant, not_among, shown
 from jawenv.mechanics.building import ALL_FREE
 
 Plant = Literal["midline", "contact"]
@@ -122,7 +122,8 @@ def model_of_env(env: str) -> Model:
         if env in (model.env_id, model.title, model.name):
             return model
     ids = (*(model.env_id for model in MODELS.values()), KNOWN_WITHIN_SDS)
-    raise not_among("env", env, ids, ", also as JawSides or sides")
+    near = meant(str(env), (*map(title_of_env, ids), *MODELS))
+    raise InputError(f"env is {shown(env)}; {near}allowed: {', '.join(ids)}, also as JawSides or sides")
 
 
 def env_id_of(env: str) -> str:

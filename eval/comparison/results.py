@@ -26,7 +26,7 @@ from eval.kept.tables import made_with, read_table, write_table
 from eval.rows.outcomes import PATIENT_METRICS, Outcomes, curves, without_times
 from jawenv.base.errors import InputError
 from jawenv.base.locks import alone
-from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
+from jawenv.metrics import BLOCKED_B, STIFF_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.playing.rollout import DEFAULT_ENV
 
 Array = npt.NDArray[np.float64]
@@ -78,7 +78,7 @@ class Results:
     def diagnoses(self, entry: str) -> dict[str, tuple[float, Diagnosis]]:
         """Thresholds of `stiff` (pull) and `blocked` (stiffening), with the decisions on all muscles at the end."""
         truth, error, sd = (self.array(entry, name) for name in ("truth", "error", "sd"))
-        forces_N = FIBROSED_F_O_N * whole_muscles_per_line(self.parameters)
+        forces_N = STIFF_F_O_N * whole_muscles_per_line(self.parameters)
         return {
             name: (limit, diagnose(truth[:, k::2], (truth + error)[:, k::2], sd[:, k::2], limit))
             for k, (name, limit) in enumerate((("stiff", forces_N), ("blocked", BLOCKED_B)))

@@ -22,7 +22,7 @@ from eval.report import template
 from jawenv.anatomy import MUSCLE_NAMES, Prior, muscle_set
 from jawenv.base.errors import InputError
 from jawenv.ladder import model_of_env
-from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
+from jawenv.metrics import BLOCKED_B, CONFIDENCE, STIFF_F_O_N
 from jawenv.metrics.verdicts import (
     BOTH,
     FINDINGS,
@@ -37,7 +37,7 @@ from jawenv.metrics.verdicts import (
     verdicts,
 )
 
-FORCE = Axis(0.05, 20.0, (0.1, 1.0, 10.0), FIBROSED_F_O_N)
+FORCE = Axis(0.05, 20.0, (0.1, 1.0, 10.0), STIFF_F_O_N)
 STIFFENING = Axis(2.0, 50.0, (2.0, 5.0, 10.0, 20.0, 50.0), BLOCKED_B)
 SHEET = Path(__file__).parent
 LOCATIONS = {
@@ -138,7 +138,7 @@ def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, An
             for word in (*WORDS, NO_VERDICT)
             if word not in (BOTH, NOT_MEASURED, NO_VERDICT) or word in verdict_words.values()
         ],
-        fibrosed=f"{FIBROSED_F_O_N:g}",
+        stiff=f"{STIFF_F_O_N:g}",
         blocked=f"{BLOCKED_B:g}",
         doubling_normal=f"{100.0 * math.log(2.0) / BLOCKED_B:.0f}",
         confidence=f"{100.0 * CONFIDENCE:g}",

@@ -14,7 +14,7 @@ from eval.thesis.methods.moment_balance import balance_of
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, SENSORS, full_record, plane_record
 from eval.thesis.spread import Spread, spreads
-from jawenv.metrics import FIBROSED_F_O_N
+from jawenv.metrics import STIFF_F_O_N
 from jawenv.recordings.record import Record
 
 NOISES = {"sensors": SENSORS, "sensors and forces": DEVICE}
@@ -132,7 +132,7 @@ def judge_full(table: pd.DataFrame) -> Judgement:
         f"{len(fits)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd is "
         f"{words.percent(max(s.relative_sd for s in fits), 0)} %; with forces that no model explains on top of the "
         f"sensors' noise it is {words.percent(max(s.relative_sd for s in other), 0)} %. By the mean, {wrong} of "
-        f"{len(fits) // 2} muscles are taken for stiff or normal wrongly (F_o above {FIBROSED_F_O_N:g} N).",
+        f"{len(fits) // 2} muscles are taken for stiff or normal wrongly (F_o above {STIFF_F_O_N:g} N).",
         "reproduced" if inside == len(fits) and wrong == 0 else "partly" if wrong == 0 else "not reproduced",
         ("The sd captures every truth" if inside == len(fits) else "Not every truth lies within one sd of the mean")
         + (", and no muscle" if wrong == 0 else ", and a muscle")
@@ -149,9 +149,9 @@ def judge_full(table: pd.DataFrame) -> Judgement:
 def _wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
     """Muscles with a mean F_o on the wrong side of the limit, and the share of such single fits."""
     forces = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
-    truly = forces["true_value"] > FIBROSED_F_O_N
-    singly = statistics.share((truly != (forces["value"] > FIBROSED_F_O_N)).to_numpy())
-    wrong = sum((s.truth > FIBROSED_F_O_N) != (s.mean > FIBROSED_F_O_N) for s in spreads(forces))
+    truly = forces["true_value"] > STIFF_F_O_N
+    singly = statistics.share((truly != (forces["value"] > STIFF_F_O_N)).to_numpy())
+    wrong = sum((s.truth > STIFF_F_O_N) != (s.mean > STIFF_F_O_N) for s in spreads(forces))
     return wrong, singly
 
 
@@ -160,7 +160,7 @@ def judge_physician(table: pd.DataFrame) -> Judgement:
     wrong, singly = _wrongly_taken(table)
     right = words.scaled(Interval(1.0 - singly.value, 1.0 - singly.high, 1.0 - singly.low), 100.0)
     return Judgement(
-        f"F_o lies on the right side of {FIBROSED_F_O_N:g} N in {words.number(right.value)} % of the single fits "
+        f"F_o lies on the right side of {STIFF_F_O_N:g} N in {words.number(right.value)} % of the single fits "
         f"({words.interval(right)}); the mean of the draws is wrong for {wrong} of 6 muscles.",
         "reproduced" if wrong == 0 and singly.value < 0.05 else "partly" if wrong == 0 else "not reproduced",
         "The stiff muscle, and no other, is seen as stiff."

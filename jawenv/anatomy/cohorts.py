@@ -6,7 +6,7 @@ truncated at 2 sd. Its prior is computed from that definition: the mean and the 
 - the NEES of the 12 parameters at the prior is 12 on average: the prior is as honest as a normal one can be;
 - truncation at 2 sd leaves 0.88 of a group's sd: 44 % of F_o where the group is said to have 50 %;
 - in `one_sided` the truth is a mixture of two groups, which no normal prior can equal: mean and sd of each
-  parameter match, the correlation of the muscles of a side, all fibrosed or none, is left out.
+  parameter match, the correlation of the muscles of a side, all stiff or none, is left out.
 """
 
 from __future__ import annotations

@@ -98,6 +98,6 @@ def knowledge(source: str | Knowledge | Source | None) -> Knowledge:
         return LEVELS["exact"]
     if isinstance(source, str) and "." not in source and "/" not in source:
         if source not in LEVELS:
-            raise not_among("knowledge", source, LEVELS, ", a mapping or a file")
+            raise not_among("knowledge", source, LEVELS, " (imaged: from a scan), a mapping or a file")
         return LEVELS[source]
     return instance_of(Knowledge, source, "knowledge")

@@ -140,7 +140,8 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
     path = Path(path)
     parse = _PARSERS.get(path.suffix.lower())
     if parse is None:
-        raise InputError(f"{path}: unknown file type '{path.suffix}'; allowed: {', '.join(FILE_TYPES)}")
+        kind = f"unknown file type '{path.suffix}'" if path.suffix else "no file, as its name has no ending"
+        raise InputError(f"{path}: {kind}; allowed: {', '.join(FILE_TYPES)}")
     damaged = f"{path}: damaged {path.suffix[1:].upper()}"
     try:
         text = read_text(path)

@@ -14,14 +14,14 @@ from jawenv.metrics.calibration import (
     nees_band,
     true_information,
 )
-from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, STIFF_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
 from jawenv.metrics.score import TARGETS, Score, score
 
 __all__ = [
     "BLOCKED_B",
     "CONFIDENCE",
-    "FIBROSED_F_O_N",
+    "STIFF_F_O_N",
     "TARGETS",
     "Diagnosis",
     "Score",

@@ -1,6 +1,6 @@
 """Would the posterior have led to the right diagnosis of each muscle?
 
-A muscle is *fibrosed* when its force at closed jaw F_o is raised and *blocked* when its exponential
+A muscle is *stiff* when its force at closed jaw F_o is raised and *blocked* when its exponential
 stiffening b is raised. The posterior decides only when it is sure enough; a muscle left undecided counts as
 missed, both for sensitivity and for specificity (3 x 2 table, intention to diagnose: Schuetz, Schlattmann &
 Dewey 2012, BMJ 345:e6717). So an estimator that learns nothing scores 0 on both, not a free 100 %
@@ -22,7 +22,7 @@ Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 # Half way, in logs, between the cohorts healthy and trismus, and between trismus and blockage.
-FIBROSED_F_O_N = 1.7
+STIFF_F_O_N = 1.7
 BLOCKED_B = 14.0
 CONFIDENCE = 0.95
 MEASURED = 0.5
@@ -31,7 +31,7 @@ MEASURED = 0.5
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Decisions on one property ('fibrosed' or 'blocked') of M muscles in N patients."""
+    """Decisions on one property ('stiff' or 'blocked') of M muscles in N patients."""
 
     raised: Mask  # (N, M) whether it truly is above the threshold
     called_raised: Mask  # (N, M) the posterior is sure that it is

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from jawenv.base.errors import InputError
 from jawenv.metrics.calibration import alarm_rings, claimed_information, covered, nees, true_information
-from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, STIFF_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
 from jawenv.playing.recording import Recording
 
@@ -89,7 +89,7 @@ class Score:
     misfit: Array  # (N,) the filter's alarm, the largest of the episode: above 1 the readings do not fit the model
     governor: Array  # (N,) share of the time in which the governor acted
     duration_s: Array  # (N,) length of the episode
-    fibrosed: Diagnosis  # decisions on raised F_o
+    stiff: Diagnosis  # decisions on raised F_o
     blocked: Diagnosis  # decisions on raised b
 
     @property
@@ -145,7 +145,7 @@ class Score:
         for target, seconds in self.time_to_s.items():
             table[f"share_to_{target:g}"] = float(np.mean(np.isfinite(seconds)))
             table[f"time_to_{target:g}_median_s"] = float(np.quantile(seconds, 0.5, method="inverted_cdf"))
-        for name, decisions in (("fibrosed", self.fibrosed), ("blocked", self.blocked)):
+        for name, decisions in (("stiff", self.stiff), ("blocked", self.blocked)):
             table[f"{name}_sensitivity"] = decisions.sensitivity
             table[f"{name}_specificity"] = decisions.specificity
         return table
@@ -156,7 +156,7 @@ def score(
     *,
     targets: tuple[float, ...] = TARGETS,
     sd_limit: float = 0.10,
-    fibrosed_F_o_N: float = FIBROSED_F_O_N,
+    stiff_F_o_N: float = STIFF_F_O_N,
     blocked_b: float = BLOCKED_B,
     confidence: float = CONFIDENCE,
     untold: bool = False,
@@ -167,7 +167,7 @@ def score(
         recording: see `jawenv.playing.rollout.play`.
         targets: thresholds of the worst sd whose time is taken.
         sd_limit: largest sd of an identified parameter.
-        fibrosed_F_o_N: F_o (N) above which a whole muscle is fibrosed; a line that stands for several, or for a part,
+        stiff_F_o_N: F_o (N) above which a whole muscle is stiff; a line that stands for several, or for a part,
             has that multiple.
         blocked_b: b above which a muscle is blocked.
         confidence: posterior probability from which on a diagnosis counts as made.
@@ -192,7 +192,7 @@ def score(
     over_time = recording.of_asked(recording.belief_sd)
     lived = np.diff(recording.time) * recording.valid[:, 1:]
     forces = np.array([name.startswith("log_F_o/") for name in recording.parameter_names])
-    fibrosed_F_o_N *= whole_muscles_per_line(recording.parameter_names)
+    stiff_F_o_N *= whole_muscles_per_line(recording.parameter_names)
     prior_cov = np.diag(np.square(recording.prior_sd))
     return Score(
         parameter_names=recording.parameter_names,
@@ -216,6 +216,6 @@ def score(
         misfit=recording.at_end(recording.misfit),
         governor=np.sum(recording.governor[:, 1:] * lived, axis=1) / np.maximum(lived.sum(axis=1), lived.max()),
         duration_s=recording.time[recording.last],
-        fibrosed=diagnose(truth[:, forces], mean[:, forces], sd[:, forces], fibrosed_F_o_N, confidence),
+        stiff=diagnose(truth[:, forces], mean[:, forces], sd[:, forces], stiff_F_o_N, confidence),
         blocked=diagnose(truth[:, ~forces], mean[:, ~forces], sd[:, ~forces], blocked_b, confidence),
     )

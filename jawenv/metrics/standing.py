@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, owens_t
 
-from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, MEASURED
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, MEASURED, STIFF_F_O_N
 
 Array = NDArray[np.float64]
 _SMALL = 1e-9
@@ -21,7 +21,7 @@ def standing(mean: Array, cov: Array, prior_sd: Array) -> NDArray[np.bool_]:
         prior_sd: (2 M,).
     """
     sd = np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1))
-    above = (mean - np.tile(np.log([FIBROSED_F_O_N, BLOCKED_B]), sd.shape[-1] // 2)) / sd
+    above = (mean - np.tile(np.log([STIFF_F_O_N, BLOCKED_B]), sd.shape[-1] // 2)) / sd
     measured = sd <= MEASURED * prior_sd
     raised = (ndtr(above) >= CONFIDENCE) & measured
     correlation = np.diagonal(cov, offset=1, axis1=-2, axis2=-1)[..., ::2] / (sd[..., ::2] * sd[..., 1::2])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 from scipy.stats import multivariate_normal
 
-from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, MEASURED
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, MEASURED, STIFF_F_O_N
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ def verdict(mean: Array, cov: Array, prior_sd: Array | None = None) -> Verdict:
         prior_sd: (2,) of the prior; None lets the prior speak.
     """
     measured = [True, True] if prior_sd is None else (np.sqrt(np.diagonal(cov)) <= MEASURED * prior_sd).tolist()
-    above = (mean - np.log([FIBROSED_F_O_N, BLOCKED_B])) / np.sqrt(np.diagonal(cov))
+    above = (mean - np.log([STIFF_F_O_N, BLOCKED_B])) / np.sqrt(np.diagonal(cov))
     stiff, blocked = (float(share) for share in ndtr(above))
     correlation = cov[0, 1] / np.sqrt(cov[0, 0] * cov[1, 1])
     both = float(multivariate_normal.cdf(above, cov=[[1.0, correlation], [correlation, 1.0]], allow_singular=True))
@@ -101,5 +101,5 @@ def verdicts(mean: Array, cov: Array, prior_sd: Array | None = None) -> list[Ver
 
 def truly(log_parameters: Array) -> str:
     """The word that is right for a muscle with these log F_o and log b."""
-    stiff, blocked = np.exp(log_parameters) > [FIBROSED_F_O_N, BLOCKED_B]
+    stiff, blocked = np.exp(log_parameters) > [STIFF_F_O_N, BLOCKED_B]
     return {(False, False): NORMAL, (True, False): STIFF, (False, True): BLOCKED, (True, True): BOTH}[stiff, blocked]

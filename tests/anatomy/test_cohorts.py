@@ -62,14 +62,14 @@ def test_wide_has_twice_the_sd_and_so_has_its_prior() -> None:
     np.testing.assert_allclose(cohort("wide").prior.sd, 2 * cohort("trismus").prior.sd)
 
 
-def test_one_sided_is_fibrosed_on_one_side_at_random() -> None:
+def test_one_sided_is_stiff_on_one_side_at_random() -> None:
     theta = draws("one_sided")
     # Single F_o of the two sides overlap; the mean over a side's three muscles tells the sides apart.
     left, right = theta[:, 0:6:2].mean(axis=1), theta[:, 6:12:2].mean(axis=1)
     assert np.mean(left > right) == pytest.approx(0.5, abs=0.04)
-    fibrosed = np.where((left > right)[:, None], theta[:, :6], theta[:, 6:])
+    stiff = np.where((left > right)[:, None], theta[:, :6], theta[:, 6:])
     healthy = np.where((left > right)[:, None], theta[:, 6:], theta[:, :6])
-    assert np.median(fibrosed[:, ::2]) == pytest.approx(np.log(4.0), abs=0.05)
+    assert np.median(stiff[:, ::2]) == pytest.approx(np.log(4.0), abs=0.05)
     assert np.median(healthy[:, ::2]) == pytest.approx(np.log(0.7), abs=0.05)
 
 

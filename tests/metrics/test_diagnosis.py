@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jawenv.ladder import MODELS
-from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, diagnose, score, whole_muscles_per_line
+from jawenv.metrics import BLOCKED_B, STIFF_F_O_N, diagnose, score, whole_muscles_per_line
 from tests.metrics.linear_gaussian import linear_gaussian
 
 TRUTH = np.log([[2.0, 2.0, 2.0, 0.5, 0.5]])
@@ -35,7 +35,7 @@ def test_a_line_that_stands_for_several_muscles_has_a_threshold_as_much_higher()
     assert whole_muscles_per_line(["log_F_o/tongue", "log_b/tongue"]) == 1.0
     recording = linear_gaussian(20, parameters=names["hinge"])
     made = score(recording)
-    assert made.fibrosed.raised.tolist() == (recording.truth[:, :1] > np.log(6.0 * FIBROSED_F_O_N)).tolist()
+    assert made.stiff.raised.tolist() == (recording.truth[:, :1] > np.log(6.0 * STIFF_F_O_N)).tolist()
     assert made.blocked.raised.tolist() == (recording.truth[:, 1:] > np.log(BLOCKED_B)).tolist()
 
 

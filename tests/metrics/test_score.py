@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jawenv.base.errors import InputError
-from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, nees_band, score
+from jawenv.metrics import BLOCKED_B, STIFF_F_O_N, nees_band, score
 from jawenv.metrics.score import Summary
 from tests.metrics.linear_gaussian import linear_gaussian
 
@@ -107,9 +107,9 @@ def test_median_time_counts_those_who_never_arrive():
 
 def test_diagnosis_uses_its_own_parameters(exact):
     recording = linear_gaussian(patients=400)
-    np.testing.assert_array_equal(exact.fibrosed.raised, recording.truth[:, ::2] > np.log(FIBROSED_F_O_N))
+    np.testing.assert_array_equal(exact.stiff.raised, recording.truth[:, ::2] > np.log(STIFF_F_O_N))
     np.testing.assert_array_equal(exact.blocked.raised, recording.truth[:, 1::2] > np.log(BLOCKED_B))
-    assert exact.fibrosed.wrong < 0.05
+    assert exact.stiff.wrong < 0.05
 
 
 def test_a_limit_out_of_range_is_named():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N
+from jawenv.metrics import BLOCKED_B, STIFF_F_O_N
 from jawenv.metrics.verdicts import BLOCKED, BOTH, NORMAL, NOT_MEASURED, STIFF, UNKNOWN, truly, verdict
 
 
@@ -58,7 +58,7 @@ def test_probabilities_are_those_of_samples(correlation, rng):
     found = said(1.5, 12.5, sd=0.2, correlation=correlation)
     cov = np.array([[1.0, correlation], [correlation, 1.0]]) * 0.04
     drawn = np.exp(rng.multivariate_normal(np.log([1.5, 12.5]), cov, size=200_000))
-    stiff, blocked = drawn[:, 0] > FIBROSED_F_O_N, drawn[:, 1] > BLOCKED_B
+    stiff, blocked = drawn[:, 0] > STIFF_F_O_N, drawn[:, 1] > BLOCKED_B
     assert found.stiff == pytest.approx(stiff.mean(), abs=0.005)
     assert found.blocked == pytest.approx(blocked.mean(), abs=0.005)
     assert (found.word, found.likeliest) == (UNKNOWN, NORMAL)

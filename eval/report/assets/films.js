@@ -23,7 +23,9 @@
       film.addEventListener("play", () => others(film).forEach(play));
       film.addEventListener("pause", () => { if (!film.ended) others(film).forEach((other) => other.pause()); });
       film.addEventListener("ratechange", () => others(film).forEach((other) => { other.playbackRate = film.playbackRate; }));
-      film.addEventListener("seeked", () => others(film).forEach((other) => { if (Math.abs(other.currentTime - film.currentTime) > APART_S) other.currentTime = film.currentTime; }));
+      const align = () => others(film).forEach((other) => { if (Math.abs(other.currentTime - film.currentTime) > APART_S) other.currentTime = film.currentTime; });
+      film.addEventListener("seeked", align);
+      if (film === shown[0]) film.addEventListener("timeupdate", align); // a busy machine starts them at different times
     }
     new IntersectionObserver(([seen]) => {
       if (!seen.isIntersecting) shown.forEach((film) => film.pause());

@@ -125,7 +125,10 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["hold_still", "--largest-violation", "2"], "largest-violation is 2.0; allowed: a share, 0 to 1"),
         (["no_such.yaml"], "no_such.yaml"),
         (["no_such.zip"], "no_such.zip"),
-        (["hold_still", "--reality", "creep=0.3"], "reality.creep is not a field of Reality; allowed: reflex_gain, "),
+        (
+            ["hold_still", "--reality", "creep=0.3"],
+            "reality.creep is not a field of Reality; did you mean creep_share?",
+        ),
         (["hold_still", "--reality", "creep_share"], "reality is 'creep_share'; allowed: FIELD=VALUE"),
         (["hold_still", "--reality", "creep_share=2"], "reality.creep_share is 2.0; allowed: a finite number"),
         (["hold_still", "--env", "knee"], "env is 'knee'; allowed: jawenv/JawHinge-v3, jawenv/JawSagittal-v3, "),

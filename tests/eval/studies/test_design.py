@@ -117,7 +117,10 @@ def test_shipped_studies_are_of_all_that_they_are_about():
         ({"controls": ["thought"]}, "controls.0 is 'thought'"),
         ({"control_hz": [33]}, "control_hz is 33; allowed: 20 divided by a whole number"),
         ({"control_hz": [float("nan")]}, "control_hz.0"),
-        ({"reality": {"slow": {"creep": 1}}}, "reality.creep is not a field of Reality; allowed: reflex_gain"),
+        (
+            {"reality": {"slow": {"creep": 1}}},
+            "reality.creep is not a field of Reality; did you mean creep_share?",
+        ),
         ({"reality": {"slow": {"creep_share": float("nan")}}}, "reality.slow.creep_share"),
         ({"patients": 0}, "patients is 0; allowed: greater than or equal to 1"),
         ({"seed": 10**24}, "seed is 1000000000000000000000000; allowed: less than or equal to 4294967295"),
