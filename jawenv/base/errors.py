@@ -93,7 +93,7 @@ _STEERING = ("Cc", "Cf", "Cs", "Zl", "Zp")  # control, format, half of a pair, e
 
 
 def reason_of(error: Exception) -> str:
-    """What the system says of an error; errors that Python raises in its place have no ``strerror``."""
+    """The system's words for an error; errors that Python raises in its place have no ``strerror``."""
     return getattr(error, "strerror", None) or str(error) or type(error).__name__
 
 
