@@ -124,5 +124,5 @@ jawenv.score(recording).summary()
 # %% [markdown]
 # ## Next
 #
-# - `training/README.md` lists algorithms and settings; one seed alone proves little: repeat it with `--seed 1` and others.
+# - `training/README.md` lists algorithms and settings. One seed proves little: try `--seed 1` and others.
 # - `python -m training export` makes a folder of the policy that anyone can play without PyTorch.

@@ -335,8 +335,4 @@ def one_process(folder: Path, what: str) -> Iterator[None]:
 @cache
 def _say_compiling() -> None:
     """Say on stderr, once in a process, that kernels are being compiled."""
-    print(
-        "jawenv: compiling for this machine, once for each kind of world (about a minute) ...",
-        file=sys.stderr,
-        flush=True,
-    )
+    print("jawenv: compiling, once for each kind of world (about a minute) ...", file=sys.stderr, flush=True)
