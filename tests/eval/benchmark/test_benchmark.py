@@ -106,8 +106,7 @@ def test_an_agent_plays_the_tasks_of_its_environment_in_its_own_control():
         ("hinge-exact", "slow_opening"),
         ("jaw-exact", "slow_opening"),
     ]
-    assert "played with control force" in cells[0].load().note and not cells[1].load().note
-    assert cells[0].load().env_kwargs["control"] == "force"
+    assert all(cell.load().env_kwargs["control"] == "targets" for cell in cells)
 
 
 def test_every_task_has_an_agent_at_rest():
