@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from jawenv.metrics import FIBROSED_F_O_N, whole_muscles_per_line
+from jawenv.metrics import STIFF_F_O_N, whole_muscles_per_line
 from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
 
 
 def stiff_from_N(scene: Scene) -> float:
     """F_o above which a muscle of the scene's model is called stiff, N."""
-    return FIBROSED_F_O_N * whole_muscles_per_line(scene.parameter_names)
+    return STIFF_F_O_N * whole_muscles_per_line(scene.parameter_names)
 
 
 def stiffness_colours(scene: Scene) -> list[palette.Colour]:
