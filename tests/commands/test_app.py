@@ -83,7 +83,7 @@ def test_list_of_agents_says_where_the_rest_is(capsys):
 def test_a_policy_is_scored_in_the_world_of_its_training(name, id, capsys):
     assert main(["score", name, "--patients", "2", "--episode-s", "1"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith(f"{name} in jawenv/{id}-v3 on 2 patients")
+    assert out.startswith(f"{name} in jawenv/{id} on 2 patients")
 
 
 def test_a_policy_is_scored_elsewhere_on_request_or_refused_in_one_line(capsys):

@@ -79,7 +79,8 @@ def test_a_run_is_trained_evaluated_and_resumed(config: Path, tmp_path: Path) ->
     else:
         assert second._n_updates > first._n_updates
     rows = read_evaluations(run.path)
-    assert {0, 160, 320, 480} <= {row["steps"] for row in rows}
+    steps = [row["steps"] for row in rows]
+    assert steps[0] == 0 and {320, 480} <= set(steps) and 4 <= len(steps) <= 8
     assert all((row["return"] != row["return_sampled"]) is (algorithm is not TD3) for row in rows)
 
 
