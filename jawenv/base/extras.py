@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from jawenv.base.errors import MissingPackageError
 
@@ -28,3 +30,21 @@ def needs(user: str, package: str, extra: str = "", group: str = "") -> Iterator
             raise
         remedy = f'pip install "jawenv[{extra}]"' if extra else f".ci/setup {group}"
         raise MissingPackageError(f"{user} needs {package}: {remedy}") from None
+
+
+def of_the_clone(user: str, module: str, group: str) -> Any:
+    """A module of a package above the library, which a clone of the project has and the wheel has not.
+
+    Args:
+        user: the option that needs it, as the message names it.
+        module: its name.
+        group: the group of the clone that brings what it imports.
+
+    Raises:
+        MissingPackageError: it, or a package that it imports, is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        place = f"a clone of the project, with its extra {group} (.ci/setup {group})"
+        raise MissingPackageError(f"{user}: {error.name} is not installed; allowed in {place}") from None

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jawenv.base.errors import InputError, MissingPackageError
+from jawenv.base.errors import InputError
+from jawenv.base.extras import of_the_clone
 from jawenv.commands.answer import UNKNOWN, as_mapping, assumed_in_words, doubts_in_words, print_belief
 from jawenv.commands.outputs import Answer, check_outputs
 from jawenv.metrics.calibration import YELLOW, alarm_word
@@ -22,6 +22,7 @@ from jawenv.recordings.words import WORDS
 from jawenv.recordings.zero import UNSEEN_DRIFT, change_of_zero
 
 NOT_BELIEVABLE = 3
+PAGE = "eval.patient.recordings"  # writes a patient's page
 
 
 def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: Answer | None = None) -> int:
@@ -41,7 +42,7 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None, answer: 
         from jawenv.commands.stretcher import identify_log
 
         return identify_log(table, reading, {"page": page}, answer)
-    write_page = None if page is None else page_writer()
+    write_page = None if page is None else of_the_clone("--page", PAGE, "eval").write_page
     check_outputs(page, answer, [path, *reading.values()])
     record = load_record(table, UNKNOWN, **reading)
     rate = findings(record)[0]
@@ -93,14 +94,3 @@ def check(path: Path, reading: Mapping[str, Any], others: Mapping[str, Any]) -> 
         word = "ok " if finding.plausible else "NOT"
         print(f"{word} {finding.columns:20} {finding.value:40} allowed: {finding.allowed}")
     return 0 if all(finding.plausible for finding in checks) else NOT_BELIEVABLE
-
-
-def page_writer() -> Any:
-    """The writer of a patient's page, which a clone of the project has and the wheel has not."""
-    try:
-        return importlib.import_module("eval.patient.recordings").write_page
-    except ModuleNotFoundError as error:
-        raise MissingPackageError(
-            f"--page: {error.name} is not installed; allowed in a clone of the project, with its extra eval "
-            "(.ci/setup eval)"
-        ) from None

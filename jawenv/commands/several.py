@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from jawenv.base.errors import InputError
+from jawenv.base.extras import of_the_clone
 from jawenv.commands.answer import UNKNOWN, as_mapping, assumed_in_words, print_belief
 from jawenv.commands.outputs import Answer, check_outputs
-from jawenv.commands.recordings import NOT_BELIEVABLE, page_writer
+from jawenv.commands.recordings import NOT_BELIEVABLE, PAGE
 from jawenv.metrics.calibration import alarm_word
 from jawenv.recordings.estimate import Array, Estimate
 from jawenv.recordings.files import load_record
@@ -46,7 +47,7 @@ def identify_together(
     if len(paths) > MOST:
         raise InputError(f"{len(paths)} recordings; allowed: 2 to {MOST}")
     check_outputs(page, answer, [*paths, *reading.values()])
-    write_page = None if page is None else page_writer()
+    write_page = None if page is None else of_the_clone("--page", PAGE, "eval").write_page
     records = [load_record(path, UNKNOWN, **reading) for path in paths]
     _check_distinct(paths, records)
     found = []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +9,7 @@ import gymnasium as gym
 import numpy as np
 
 from jawenv.anatomy import Patient
-from jawenv.base.errors import MissingPackageError
+from jawenv.base.extras import of_the_clone
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers.maneuver import action_of, goals_of
@@ -41,13 +40,7 @@ def searched_actions(
     Raises:
         MissingPackageError: torch, or the clone's package of agents, is not installed.
     """
-    try:
-        search, constants = (importlib.import_module(f"agents.twin.{part}") for part in ("search", "constants"))
-    except ModuleNotFoundError as error:
-        raise MissingPackageError(
-            f"--search: {error.name} is not installed; allowed in a clone of the project, with its extra train "
-            "(.ci/setup train)"
-        ) from None
+    search, constants = (of_the_clone("--search", f"agents.twin.{part}", "train") for part in ("search", "constants"))
     env: Any = gym.make_vec(DEFAULT_ENV, len(patients), **world, autoreset_mode="disabled")
     env.reset(seed=seeds, options={"patients": patients})
     simulation = env.unwrapped.simulation
