@@ -13,7 +13,7 @@ from jawenv.base.progress import Progress
 from jawenv.sb3 import KNOWN, NativeVecEnv
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig, EvaluationConfig
-from training.run.evaluations import Evaluation, Evaluations, Watched, evaluate
+from training.run.evaluations import Evaluation, Evaluations, evaluate
 from training.run.folder import RunFolder
 
 
@@ -105,7 +105,7 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
         None,
         worlds(),
         lambda: None,
-        Watched(progress),
+        progress,
         largest_discomfort_s=0.05,  # type: ignore[arg-type]
     )
     for steps, mean_return, discomfort, better in (
@@ -160,8 +160,7 @@ def test_reward_is_less_by_price_times_discomfort_also_in_the_last_step() -> Non
 
 def test_the_beginning_and_the_best_are_shown_of_the_same_patients_without_nats(tmp_path: Path) -> None:
     progress = Progress(1, "steps", Console(quiet=True))
-    watched = Watched(progress)
-    evaluations = Evaluations(RunFolder(tmp_path), EvaluationConfig(every_steps=64), worlds(), lambda: None, watched)
+    evaluations = Evaluations(RunFolder(tmp_path), EvaluationConfig(every_steps=64), worlds(), lambda: None, progress)
     for row in (
         {"steps": 0, "return": 43.15, "worst_sd": 0.0333, "known_s": 6.5, "discomfort_s": 0.064},
         {"steps": 32000, "return": 44.8, "worst_sd": 0.0293, "known_s": 5.5, "discomfort_s": 0.07},
@@ -177,10 +176,10 @@ def test_the_beginning_and_the_best_are_shown_of_the_same_patients_without_nats(
 def test_the_first_evaluations_follow_each_other_sooner(tmp_path: Path) -> None:
     progress = Progress(1, "steps", Console(quiet=True))
     config = EvaluationConfig(every_steps=64)
-    evaluations = Evaluations(RunFolder(tmp_path), config, worlds(), lambda: None, Watched(progress))
+    evaluations = Evaluations(RunFolder(tmp_path), config, worlds(), lambda: None, progress)
     evaluations.model, at = SimpleNamespace(num_timesteps=0), []
 
-    def evaluate(_: object) -> None:
+    def evaluate() -> None:
         evaluations.last = evaluations.model.num_timesteps
         at.append(evaluations.last)
 

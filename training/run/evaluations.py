@@ -44,8 +44,6 @@ COLUMNS = (
 
 Row = dict[str, float]
 """Figures of one evaluation by their column, with ``steps``."""
-Report = Callable[[int, Row], None]
-"""Called with steps and row of each evaluation."""
 
 
 @dataclass(frozen=True)
@@ -113,15 +111,6 @@ class _PolicyScore(NamedTuple):
     value: float  # mean return; minus the discomfort of a policy that exceeds the limit
 
 
-@dataclass(frozen=True)
-class Watched:
-    """Reporting of evaluations, and their interruption."""
-
-    progress: Progress  # shows the best so far
-    interrupted: Callable[[], bool] = lambda: False  # an evaluation is given up when it says True
-    report: Report | None = None  # called with steps and row of each evaluation
-
-
 class Evaluations(BaseCallback):
     """Tries the policy on the validation cohort every so many steps, and keeps the best one.
 
@@ -134,7 +123,8 @@ class Evaluations(BaseCallback):
         config: how often, and on whom.
         worlds: one world per patient, for evaluation only.
         keep: writes the policy as it is now, as the run's best.
-        watched: progress, reports and interruption.
+        progress: shows the best so far.
+        interrupted: an evaluation is given up when it says True.
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
         sampled: whether it also plays with drawn actions, as an algorithm learns from.
 
@@ -149,15 +139,16 @@ class Evaluations(BaseCallback):
         config: EvaluationConfig,
         worlds: VecEnv,
         keep: Callable[[], None],
-        watched: Watched,
+        progress: Progress,
         *,
+        interrupted: Callable[[], bool] = lambda: False,
         largest_discomfort_s: float | None = None,
         sampled: bool = True,
     ) -> None:
         super().__init__()
         self._sampled = sampled
         self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
-        self._progress, self._interrupted, self._report = watched.progress, watched.interrupted, watched.report
+        self._progress, self._interrupted = progress, interrupted
         self._limit = largest_discomfort_s
         self.best: Row | None = None
         self._first: Row | None = None
@@ -173,22 +164,22 @@ class Evaluations(BaseCallback):
         every = self._config.every_steps
         if self.last is None:
             self._progress.say(f"evaluating {_BEGINNING} on {self._worlds.num_envs} patients")
-            self.evaluate(self._worlds)
+            self.evaluate()
         elif self.model.num_timesteps - self.last >= min(max(self.last, every / 8), every):
-            self.evaluate(self._worlds)
+            self.evaluate()
 
     def _on_step(self) -> bool:
         return True
 
     def _on_training_end(self) -> None:
         if self.last != self.model.num_timesteps and not self._interrupted():
-            self.evaluate(self._worlds)
+            self.evaluate()
 
-    def evaluate(self, worlds: VecEnv) -> None:
+    def evaluate(self) -> None:
         """Evaluate now: add a row to the table, and keep the policy if it is the best."""
         self._progress.note("activity", "evaluating")
         kinds = (True, False) if self._sampled else (True,)
-        played = [evaluate(self.model, worlds, self._config.seed, likely, self._interrupted) for likely in kinds]
+        played = [evaluate(self.model, self._worlds, self._config.seed, likely, self._interrupted) for likely in kinds]
         self._progress.note("activity", "")
         outcome, sampled = played[0], played[-1]
         if outcome is None or sampled is None:
@@ -200,7 +191,7 @@ class Evaluations(BaseCallback):
         }
         row = {name: figures[name] for name in COLUMNS if name in figures}
         begun = _BEGINNING if self._first is None else f"after {self.last:,} steps"
-        self._progress.say(f"{begun}, {worlds.num_envs} patients: {in_words(row)}")
+        self._progress.say(f"{begun}, {self._worlds.num_envs} patients: {in_words(row)}")
         # The row last: a run that is killed before it evaluates again, and keeps the policy again.
         if self._compare({**row, "steps": self.last}):
             self._keep()
@@ -209,8 +200,6 @@ class Evaluations(BaseCallback):
         for name, value in row.items():
             self.logger.record(f"evaluation/{name}", value)
         self.logger.dump(self.last)
-        if self._report is not None:
-            self._report(self.last, row)
 
     def _compare(self, row: Row) -> bool:
         """Whether a row is the best so far; then it is kept as that."""

@@ -26,7 +26,7 @@ from jawenv.playing.policies.residual import BaseTargets
 from training.run.algorithms import make_model, plain_policy
 from training.run.callbacks import Interrupt, Multiplier, Upkeep
 from training.run.config import EnvConfig, TrainingConfig
-from training.run.evaluations import Evaluations, Report, Watched, in_words
+from training.run.evaluations import Evaluations, in_words
 from training.run.export import write_run_policy
 from training.run.folder import RunFolder, damaged, read_counts
 from training.run.pathwise import APG
@@ -39,9 +39,7 @@ INTERRUPTED = 130
 _TASK = ("algorithm", "env", "residual", "network")
 
 
-def start(
-    config: TrainingConfig, run: RunFolder, console: Console, overwrite: bool = False, report: Report | None = None
-) -> int:
+def start(config: TrainingConfig, run: RunFolder, console: Console, overwrite: bool = False) -> int:
     """Train from the beginning and leave everything in the run folder.
 
     Returns:
@@ -52,7 +50,7 @@ def start(
         base = base_targets(config)
         with TrainingSession(config, run, console, 0, base) as session:
             run.create(config, session.world_seed, None if base is None else base.maneuver)
-            return session.learn(report)
+            return session.learn()
 
 
 def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
@@ -172,7 +170,7 @@ class TrainingSession:
         if isinstance(model, OffPolicyAlgorithm):
             model.learning_starts += model.num_timesteps
 
-    def learn(self, report: Report | None = None) -> int:
+    def learn(self) -> int:
         """Learn until the last step or a signal; save, report, and return the exit code."""
         config, model, run = self.config, self.model, self.run
         total = _whole_updates(model, self._from_step, config.steps)
@@ -187,7 +185,7 @@ class TrainingSession:
         try:
             with interrupt, Progress(total, "steps", self._console, self._from_step) as progress:
                 upkeep = Upkeep(config, run, interrupt, progress, self._multiplier)
-                evaluations = self.evaluations(Watched(progress, interrupt.wanted, report))
+                evaluations = self.evaluations(progress, interrupt)
                 model.learn(
                     config.steps - self._from_step,
                     CallbackList([upkeep, evaluations]),
@@ -211,7 +209,7 @@ class TrainingSession:
         self._report(evaluations, time.monotonic() - begun)
         return 0
 
-    def evaluations(self, watched: Watched) -> Evaluations:
+    def evaluations(self, progress: Progress, interrupt: Interrupt) -> Evaluations:
         """Evaluations on the validation patients, which keep the best policy in the run's folder."""
         comfort = self.config.comfort
         return Evaluations(
@@ -219,7 +217,8 @@ class TrainingSession:
             self.config.evaluation,
             self._validation,
             self.keep,
-            watched,
+            progress,
+            interrupted=interrupt.wanted,
             largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
             sampled=not isinstance(self.model, APG),  # it learns through the most likely actions
         )
