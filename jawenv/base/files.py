@@ -162,6 +162,9 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
     return data
 
 
+_MOST_LINKS = 40
+
+
 @contextlib.contextmanager
 def atomic_write(path: str | os.PathLike[str], *, synced: bool = True) -> Iterator[Path]:
     """Write a file that appears whole or not at all, also when interrupted.
@@ -175,8 +178,8 @@ def atomic_write(path: str | os.PathLike[str], *, synced: bool = True) -> Iterat
         gets; a link stays, and what it leads to is replaced. After an error nothing is left of it.
     """
     path = Path(path)
-    target, place = Path(os.path.realpath(path)), Path(os.path.realpath(path.parent)).parts
-    if place[1:2] == ("dev",) and place[2:3] != ("shm",):  # /dev/stdout would be replaced for the whole machine
+    target = Path(os.path.realpath(path))
+    if _among_devices(path):  # /dev/stdout would be replaced for the whole machine
         raise InputError(f"{path}: lies among devices; allowed: a file")
     mode = target.stat().st_mode if target.exists() else None
     if mode is not None and not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
@@ -195,6 +198,18 @@ def atomic_write(path: str | os.PathLike[str], *, synced: bool = True) -> Iterat
     finally:
         with contextlib.suppress(OSError):
             unfinished.unlink()
+
+
+def _among_devices(path: Path) -> bool:
+    """Whether a path, or a link that it leads along, is a name of the system for something open."""
+    for _ in range(_MOST_LINKS):
+        place = Path(os.path.realpath(path.parent)).parts[1:3]
+        if place[:1] in (("dev",), ("proc",)) and place != ("dev", "shm"):
+            return True
+        if not path.is_symlink():
+            return False
+        path = path.parent / os.readlink(path)
+    return True
 
 
 def remove_unfinished(output: Path) -> None:

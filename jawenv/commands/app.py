@@ -82,25 +82,20 @@ def _identify_command(
         Path | None,
         typer.Option(help="Write all that is found as JSON, - to the terminal, for a program.", metavar="FILE.json"),
     ] = None,
-    check_only: Annotated[
-        bool, typer.Option("--check", help="Only say whether each quantity is plausible; estimate nothing.")
-    ] = False,
 ) -> int:
     """Estimate F_o and b of every muscle from a recording, and say whether to believe it (docs/recordings.md).
 
     Ends with status 3 where the estimates are not to be believed.
     """
     from jawenv.commands.outputs import answering
-    from jawenv.commands.recordings import check, identify
+    from jawenv.commands.recordings import identify
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample, "before": before}
-    if len(recordings) == 1 and check_only:
-        return check(recordings[0], reading, {"page": page, "json": json})
     with answering(json) as answer:
         if len(recordings) > 1:
             from jawenv.commands.several import identify_together
 
-            return identify_together(recordings, reading, page, answer, check_only)
+            return identify_together(recordings, reading, page, answer)
         return identify(recordings[0], reading, page, answer)
 
 

@@ -74,23 +74,3 @@ def _zero_in_words(record: Record, last: Learnt | None) -> str:
     seen = f"a drift is not seen: {UNSEEN_DRIFT}" if changed is None else f"changes by {changed:.2g} N until the end"
     drift = 0.0 if last is None else last.sizes[DRIFT]
     return f"{seen}; error bars allow for {drift:g} N over a third of the recording" if drift else seen
-
-
-def check(path: Path, reading: Mapping[str, Any], others: Mapping[str, Any]) -> int:
-    """Print whether a recording can be one of a jaw on a device, quantity by quantity; nothing is estimated.
-
-    Args:
-        path: of the file.
-        reading: arguments of ``load_record``.
-        others: options of an estimate, none of which may be given.
-
-    Returns:
-        Exit code: 0, or 3 where a quantity is not plausible.
-    """
-    for name in (name for name, value in others.items() if value):
-        raise InputError(f"--{name} with --check, which estimates nothing; allowed: one of the two")
-    checks = findings(load_record(path, **reading))
-    for finding in checks:
-        word = "ok " if finding.plausible else "NOT"
-        print(f"{word} {finding.columns:20} {finding.value:40} allowed: {finding.allowed}")
-    return 0 if all(finding.plausible for finding in checks) else NOT_BELIEVABLE

@@ -28,7 +28,6 @@ def identify_together(
     reading: Mapping[str, Any],
     page: Path | None,
     answer: Answer | None,
-    check_only: bool,
 ) -> int:
     """Print what several recordings of one patient tell together, and whether they agree.
 
@@ -37,13 +36,12 @@ def identify_together(
         reading: arguments of ``load_record``.
         page: where the patient's page is written; None for nowhere.
         answer: where all is written as JSON; None for nowhere.
-        check_only: must be False.
 
     Returns:
         Exit code: 0, or 3 where a recording is not to be believed or they do not agree.
     """
-    if check_only or reading["before"] is not None:
-        raise InputError(f"--{'check' if check_only else 'before'} with several recordings; allowed: with one")
+    if reading["before"] is not None:
+        raise InputError("--before with several recordings; allowed: with one")
     if len(paths) > MOST:
         raise InputError(f"{len(paths)} recordings; allowed: 2 to {MOST}")
     check_outputs(page, answer, [*paths, *reading.values()])

@@ -16,7 +16,7 @@ SEPARATORS = (";", "\t", ",")
 COMMENTS = ("#", "%", "//")
 MISSING = frozenset(("", "nan", "na", "n/a", "#n/a", "null", "none", "-", "-nan", "-nan(ind)", "1.#qnan"))
 _NUMBER = re.compile(r"[+-]?([0-9]+[.,]?[0-9]*|[.,][0-9]+)([eE][+-]?[0-9]+)?")
-_GROUPED = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
+_GROUPED = re.compile(r"[1-9][0-9]{0,2}[,.][0-9]{3}")
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 
 
@@ -119,7 +119,14 @@ def decimal_signs(cells: list[list[str]]) -> set[str]:
     return {sign for row in cells for cell in row for sign in ".," if sign in cell and _NUMBER.fullmatch(cell)}
 
 
-def grouped(cells: list[list[str]]) -> bool:
-    """Whether commas may set off thousands: all have three digits behind them, and none stands behind a lone 0."""
-    found = [cell.lstrip("+-") for row in cells for cell in row if "," in cell and _NUMBER.fullmatch(cell)]
-    return bool(found) and all(_GROUPED.fullmatch(cell) for cell in found)
+def grouped(columns: list[tuple[str, ...]]) -> bool:
+    """Whether commas or points may set off thousands: all have three digits behind them, and no lone 0 before.
+
+    With points some column has whole numbers beside: three decimals have them in all rows or in none.
+    """
+    for sign in ",.":
+        marked = [[cell.lstrip("+-") for cell in cells if sign in cell and _is_number(cell)] for cells in columns]
+        whole = [any(map(str.isdigit, cells)) for cells in columns]
+        if any(marked) and all(_GROUPED.fullmatch(cell) for cells in marked for cell in cells):
+            return sign == "," or any(some and beside for some, beside in zip(marked, whole, strict=True))
+    return False

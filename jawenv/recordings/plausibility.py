@@ -71,23 +71,21 @@ def _read(record: Record) -> list[Finding]:
         value = f"read in {100.0 * share:.3g} % of the ticks"
         found.append(Finding("force_*_N", value, allowed, share >= LEAST_READ, spoils=False))
     noisy = record.cell_sd > 0.0  # one without noise may repeat itself, as when no motor pushes
-    pose = record.measured[:, :6]
-    pose = record.measured[:, :6]
-    groups = {"mouthpiece_*_mm, *_deg": (pose[:-1], pose[1:]), "force_*_N": (cell[:, 0, noisy], cell[:, 2, noisy])}
-    for columns, (before, after) in groups.items():
-        share = _repeated(before, after)
+    forces = np.concatenate([cell[:, 0], cell[-1:, 2]])[:, noisy]
+    for columns, rows in (("mouthpiece_*_mm, *_deg", record.measured[:, :6]), ("force_*_N", forces)):
+        share = _repeated(rows)
         if share > MOST_REPEATED:
             allowed = f"{100 * MOST_REPEATED:g} %: write a reading once, in its row, and leave the rows between empty"
             found.append(Finding(columns, f"repeated readings in {100.0 * share:.3g} % of the rows", allowed, False))
     return found
 
 
-def _repeated(before: Array, after: Array) -> float:
-    """Share of the ticks in which all numbers (T, n) stay equal before one jumps: held readings of a slower sensor.
+def _repeated(rows: Array) -> float:
+    """Share of the rows (T, n) in which all numbers stay equal before one jumps: held readings of a slower sensor.
 
     A sensor that rounds to steps stays equal too, and then moves on by a step or two.
     """
-    change = np.abs(after - before)
+    change = np.abs(np.diff(rows, axis=0))
     moved = np.where(change > 0.0, change, np.nan)
     if np.isnan(moved).all():
         return 0.0

@@ -112,7 +112,7 @@ def _read_csv(path: Path, words: Collection[str]) -> RecordTable:
                 ) from None
     if len(decimal_signs(sheet.rows)) > 1:
         raise InputError(f"{path}: has decimal points and decimal commas; allowed: one of the two")
-    if grouped(sheet.rows):
+    if grouped(list(zip(*sheet.rows, strict=True))):
         raise InputError(f"{path}: has numbers as 1,234 alone; allowed: numbers without separators of thousands")
     columns = {}
     for i, name in enumerate(sheet.names):

@@ -53,7 +53,6 @@ class _Expected:
     low: float
     high: float
     discomfort_s: float
-    sds: Array  # (p,) median error bar of each parameter
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,6 @@ class _Suggestion:
     patient: Patient  # whom the estimates describe
     seed: int  # with which the device can treat him
     world: dict[str, Any]  # arguments of the environment of the next recording
-    parameter_names: tuple[str, ...]
 
     def movement(self) -> str:
         """The movement in words."""
@@ -149,8 +147,8 @@ def suggest(
     *expected, beside = (_expected(Player(one), patients, world, known, counted) for one in maneuvers)
     best, maneuver = min(zip(expected, maneuvers, strict=False), key=lambda pair: pair[0].median)
     again = _worst(np.linalg.inv(2.0 * known - prior), counted)
-    seed, names = seeds_of([believed], world)[0], record.parameter_names
-    return _Suggestion(found, maneuver, _worst(cov, counted), best, beside, again, believed, seed, world, names)
+    seed = seeds_of([believed], world)[0]
+    return _Suggestion(found, maneuver, _worst(cov, counted), best, beside, again, believed, seed, world)
 
 
 def _as_patient(theta: Array, tilt_deg: float = 0.0) -> Patient:
@@ -237,8 +235,7 @@ def _expected(player: Player, patients: list[Patient], world: dict[str, Any], kn
     told = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)
     covs = [np.linalg.inv(known + one) for one in told]
     low, median, high = np.quantile([_worst(cov, counted) for cov in covs], [0.05, 0.5, 0.95])
-    sds = np.median([np.sqrt(np.diagonal(cov)) for cov in covs], axis=0)
-    return _Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()), sds)
+    return _Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()))
 
 
 def _worst(cov: Any, counted: Any) -> float:

@@ -190,7 +190,7 @@ def test_yaml_is_bounded_by_what_it_takes_to_read(tmp_path: Path) -> None:
 
 def test_what_is_no_file_stays_what_it_is(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "stdout").symlink_to("/dev/null")
+    (tmp_path / "stdout").symlink_to("/proc/self/fd/1")
     for name in (tmp_path / "pipe", tmp_path / "stdout", Path("/dev/stdout"), Path("/dev/null")):
         with pytest.raises(InputError, match="allowed: a file"), atomic_write(name) as unfinished:
             unfinished.write_text("lost", encoding="utf-8")

@@ -143,22 +143,13 @@ def test_the_command_ends_with_3_and_what_to_look_at(tmp_path, capsys):
     assert main(["identify", path]) == 3
     out = capsys.readouterr().out
     assert "NOT TO BE BELIEVED" in out and "force x velocity" in out and "no verdict" in out and "Look at signs" in out
-    assert main(["identify", path, "--check"]) == 3
-    out = capsys.readouterr().out
-    assert out.count("\n") == 9 and out.count("NOT") == 1
 
 
 def test_an_impossible_rate_is_one_line(tmp_path, capsys):
     path = saved(tmp_path, spoilt_record("ms as s"))
     assert main(["identify", path]) == 2
     assert "time_s makes 0.1 Hz; allowed: 20 to 1000 Hz" in capsys.readouterr().err
-    assert main(["identify", path, "--check"]) == 3
-
-
-@pytest.mark.parametrize("option", [["--page", "page.html"], ["--json", "answer.json"]])
-def test_a_check_takes_no_option_of_an_estimate(tmp_path, capsys, option):
-    assert main(["identify", str(tmp_path / "recording.csv"), "--check", *option]) == 2
-    assert f"error: {option[0]} with --check, which estimates nothing" in capsys.readouterr().err
+    assert main(["doctor", path]) == 3
 
 
 @pytest.mark.parametrize("name", [None, "forces of the jaw on the device"])

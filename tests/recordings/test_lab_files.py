@@ -93,8 +93,9 @@ def test_comments_of_other_programs_are_passed_over_and_a_title_row_is_named(tmp
         load_record(table(tmp_path, rows, "Patient,7\n"))
 
 
-def test_separators_of_thousands_are_refused(tmp_path):
-    rows = [[str(k), f'"-37,{k}00"', *['"1,234"'] * 6] for k in range(1, 5)]
+@pytest.mark.parametrize("sign", ",.")
+def test_separators_of_thousands_are_refused(tmp_path, sign):
+    rows = [[str(k), f'"-37{sign}{k}00"', *[f'"{1 + k}{sign}234"' if k > 1 else "999"] * 6] for k in range(1, 5)]
     with pytest.raises(InputError, match="numbers as 1,234 alone; allowed: numbers without separators of thousands"):
         load_record(table(tmp_path, rows))
 

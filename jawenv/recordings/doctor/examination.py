@@ -1,4 +1,4 @@
-"""Zero, sign, frame, rate, clocks and teeth of a recording, each with its number and what mends it."""
+"""What is wrong with a recording: its quantities, rate, sign, frame, zero, clocks and teeth, and what mends each."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ _FIRST_S, _SHORT_S = 60.0, 5.0
 _WINDOW_S, _SLOWEST, _FASTEST = 0.2, 0.9, 1.1
 """Way over the way by the velocities, in windows of so many seconds."""
 _START_S, _LARGEST_ZERO_N = 0.02, 0.7
+_OF_CHECKS = ("force x velocity", "zero of ")  # findings that a check here looks at
 _BETTER = 0.5
 """Misfit in another frame over that as it is, at most."""
 
@@ -52,9 +53,11 @@ def examined(record: Record) -> list[_Check]:
     rate = _rate(record)
     if not rate.fine:
         return [rate]
+    bad = [_Check(one.columns, one.value, False, one.allowed) for one in findings(record) if not one.plausible]
+    bad = [check for check in bad if not check.what.startswith(_OF_CHECKS)]
     sign, record = _sign(record)
     frame, record = _frame(record)
-    return [rate, sign, frame, _zero(record, changed), _CLOCKS, _teeth(record)]
+    return [rate, *bad, sign, frame, _zero(record, changed), _CLOCKS, _teeth(record)]
 
 
 def _rate(record: Record) -> _Check:

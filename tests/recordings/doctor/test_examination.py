@@ -23,6 +23,13 @@ def faulty(fault):
     return replace(changed, time=2.0 * changed.time) if fault == "rate" else changed
 
 
+def test_what_no_jaw_can_show_is_named_too():
+    record = played(0, "refined")
+    forces = record.samples[np.arange(len(record.samples)) // 5 * 5, :1].repeat(3, axis=1)
+    named = {check.what: check for check in examined(replace(record, samples=forces)) if not check.fine}
+    assert "repeated readings" in named["force_*_N"].value and "write a reading once" in named["force_*_N"].mend
+
+
 @pytest.mark.parametrize("fault", ["zero", "sign", "frame", "rate", "teeth"])
 def test_a_fault_is_named_and_mended(fault):
     named = {check.what: check for check in examined(faulty(fault)) if not check.fine}

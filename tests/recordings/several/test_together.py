@@ -132,5 +132,5 @@ def test_two_patients_are_named_in_one_sentence(tmp_path, capsys):
     assert main(["identify", *paths]) == 3
     said = capsys.readouterr().out
     assert "0.csv and " in said and said.count("are not of one patient in one state: ") == 1 and "F_o left" not in said
-    assert main(["identify", *paths, "--check"]) == 2
-    assert "--check with several recordings; allowed: with one" in capsys.readouterr().err
+    assert main(["identify", *paths, "--before", paths[0]]) == 2
+    assert "--before with several recordings; allowed: with one" in capsys.readouterr().err
