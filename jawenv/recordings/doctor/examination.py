@@ -1,4 +1,4 @@
-"""What is wrong with a recording: its quantities, rate, sign, frame, zero, clocks and teeth, and what mends each."""
+"""Checks of a recording: its quantities, rate, sign, frame, zero, clocks and teeth, and what mends each."""
 
 from __future__ import annotations
 
