@@ -112,31 +112,24 @@ def plain_policy(model: BaseAlgorithm, config: TrainingConfig) -> tuple[Architec
     """The network of a model that leads from an observation to the action without chance, and its weights.
 
     The weights have the names and shapes of `Architecture.shapes`, in single precision. None if a card describes no
-    such network: one that sees features of one's own, or has other layers than perceptrons behind one LSTM.
+    such network: one that sees features of one's own, or has other layers than perceptrons.
     """
     policy: Any = model.policy
-    squash, lstm = policy.squash_output, getattr(policy, "lstm_actor", None)
+    squash = policy.squash_output
     seen = getattr(policy, "features_extractor", None) or getattr(policy.actor, "features_extractor", None)
     layers = _layers(model)
     if squash and isinstance(layers[-1], torch.nn.Tanh):
         layers = layers[:-1]
     known = (torch.nn.Linear, ACTIVATIONS[config.network.activation])
-    if type(seen) is not FlattenExtractor or any(type(layer) not in known for layer in layers):
-        return None
-    if lstm is not None and lstm.num_layers > 1:
+    own_parts = type(seen) is not FlattenExtractor or hasattr(policy, "lstm_actor")
+    if own_parts or any(type(layer) not in known for layer in layers):
         return None
     linear = [layer for layer in layers if isinstance(layer, torch.nn.Linear)]
     tensors = {f"layers.{i}.{name}": getattr(layer, name) for i, layer in enumerate(linear) for name in _PARTS}
-    sizes = [linear[0].in_features, *(layer.out_features for layer in linear)]
-    if lstm is not None:
-        sizes[0] = lstm.input_size
-        bias = lstm.bias_ih_l0 + lstm.bias_hh_l0
-        tensors |= {"lstm.input": lstm.weight_ih_l0, "lstm.hidden": lstm.weight_hh_l0, "lstm.bias": bias}
     architecture = Architecture(
-        layers=tuple(sizes),
+        layers=(linear[0].in_features, *(layer.out_features for layer in linear)),
         activation=config.network.activation,
         squash="tanh" if squash else "clip",
-        lstm_units=None if lstm is None else lstm.hidden_size,
     )
     weights = {name: np.array(values.detach().cpu().numpy(), np.float32, order="C") for name, values in tensors.items()}
     return architecture, weights
@@ -146,7 +139,7 @@ _PARTS = ("weight", "bias")
 
 
 def _layers(model: BaseAlgorithm) -> list[torch.nn.Module]:
-    """Layers and activations from what the networks see, or memory, to action."""
+    """Layers and activations from what the networks see to action."""
     policy: Any = model.policy
     if isinstance(model, OnPolicyAlgorithm):
         return [*policy.mlp_extractor.policy_net, policy.action_net]

@@ -66,7 +66,7 @@ def write_onnx(policy: Path, output: Path) -> None:
         output: the file.
 
     Raises:
-        InputError: no such policy, one with a memory, or without a maneuver, or a file that cannot be written.
+        InputError: no such policy, one without a maneuver, or a file that cannot be written.
         MissingPackageError: onnx is not installed.
     """
     if output.suffix != ".onnx":
@@ -78,7 +78,7 @@ def write_onnx(policy: Path, output: Path) -> None:
         )
     agent = load_policy(folder)
     if not isinstance(agent, ResidualPolicy) or type(agent.agent) is not PlainPolicy:
-        raise InputError(f"{folder}: has a memory, or no maneuver; allowed: a multilayer perceptron on a maneuver")
+        raise InputError(f"{folder}: corrects no maneuver; allowed: a multilayer perceptron on a maneuver")
     card, graph = agent.agent.card, Graph()
     targets = _targets(agent.base, card)
     step = graph.node(

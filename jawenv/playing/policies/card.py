@@ -69,22 +69,17 @@ class Environment(InputModel):
 
 
 class Architecture(InputModel):
-    """The network that acts, a multilayer perceptron, with or without a memory before it."""
+    """The network that acts, a multilayer perceptron."""
 
     layers: Annotated[tuple[PositiveInt, ...], Field(min_length=2)]
     """Sizes from the observation to the action; the hidden ones lie between."""
     activation: Literal["tanh", "relu", "elu"]  # after every layer but the last
     squash: Literal["tanh", "clip"]  # how the last layer's output gets into [-1, 1]
-    lstm_units: PositiveInt | None = None  # of an LSTM between the observation and the first layer; None without
 
     def shapes(self) -> dict[str, tuple[int, ...]]:
-        """Shapes of the weights by their names; an LSTM's gates are in PyTorch's order."""
+        """Shapes of the weights by their names."""
         shapes: dict[str, tuple[int, ...]] = {}
-        sizes, units = self.layers, self.lstm_units
-        if units is not None:
-            shapes = {"lstm.input": (4 * units, sizes[0]), "lstm.hidden": (4 * units, units), "lstm.bias": (4 * units,)}
-            sizes = (units, *sizes[1:])
-        for i, (inputs, outputs) in enumerate(zip(sizes, sizes[1:], strict=False)):
+        for i, (inputs, outputs) in enumerate(zip(self.layers, self.layers[1:], strict=False)):
             shapes |= {f"layers.{i}.weight": (outputs, inputs), f"layers.{i}.bias": (outputs,)}
         return shapes
 

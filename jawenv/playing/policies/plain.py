@@ -10,7 +10,6 @@ from types import MappingProxyType
 import numpy as np
 from safetensors import SafetensorError
 from safetensors.numpy import load
-from scipy.special import expit
 
 from jawenv.base.errors import InputError
 from jawenv.base.files import atomic_write
@@ -25,9 +24,7 @@ from jawenv.playing.agents import (
     Array,
     BatchAgent,
     Mask,
-    Memory,
     Observation,
-    Remembering,
     State,
 )
 from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, ModelCard, read_card
@@ -99,26 +96,6 @@ class PlainPolicy(BatchAgent):
         return squashed.astype(np.float32)
 
 
-class RecurrentPlainPolicy(Remembering, PlainPolicy):
-    """The same behind an LSTM (Hochreiter & Schmidhuber 1997, Neural Computation 9:1735)."""
-
-    def __init__(self, name: str, card: ModelCard, weights: Mapping[str, np.ndarray]) -> None:
-        super().__init__(name, card, weights)
-        units = card.architecture.lstm_units
-        self._remembered = (np.dtype((np.float64, (units,))),) * 2  # outputs and cells of the LSTM
-
-    def _decide(
-        self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
-    ) -> tuple[Action, Memory]:
-        rows = self._seen(rows)
-        (hidden, cell), weights = memory.of_worlds, self.weights
-        gates = rows.astype(np.float64) @ weights["lstm.input"].T + hidden @ weights["lstm.hidden"].T
-        enter, forget, new, leave = np.split(gates + weights["lstm.bias"], 4, axis=1)
-        cell = expit(forget) * cell + expit(enter) * np.tanh(new)
-        hidden = expit(leave) * np.tanh(cell)
-        return self._act(hidden), Memory((hidden, cell))
-
-
 def write_policy(folder: Path, weights: bytes, card: ModelCard) -> None:
     """Write weights and card, in place of older ones, which stay until both new files lie beside them."""
     with atomic_write(folder / CARD) as new_card, atomic_write(folder / WEIGHTS) as new_weights:
@@ -152,8 +129,7 @@ def load_plain(folder: Path, env_id: str | None = None) -> Agent:
         raise InputError(f"{folder}: the policy was trained in {trained_in.env_id}, not in {played_in}")
     check_environment(folder, card.observation_size, card, trained_in.env_id)
     weights = _checked(folder / WEIGHTS, card.architecture, read_weights(folder, card))
-    kind = PlainPolicy if card.architecture.lstm_units is None else RecurrentPlainPolicy
-    return on_maneuver(kind(folder.resolve().name, card, weights), folder, card)
+    return on_maneuver(PlainPolicy(folder.resolve().name, card, weights), folder, card)
 
 
 def check_environment(path: Path, size: int, card: ModelCard | None, env_id: str) -> Parts:
