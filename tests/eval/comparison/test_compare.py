@@ -77,10 +77,10 @@ def test_a_comfort_an_anatomy_and_a_force_sensor_of_ones_own_are_another_study(t
     own = {"comfort": tmp_path / "strict.toml", "anatomy": tmp_path / "jaw.yaml"}
     own["comfort"].write_text("force_N = 1.0\n")
     own["anatomy"].write_text("mandible: {mass_kg: 0.4}\n")
-    own["knowledge"] = tmp_path / "body.toml"
-    own["knowledge"].write_text("".join(f"{name} = {value}\n" for name, value in BODY.items()))
-    given = [text for name, file in own.items() for text in (f"--{name}", str(file))]
-    sensors = [["--set", f"force_sensor={sensor}", *given[4:]] for sensor in ("motors", "straps")]
+    body = tmp_path / "body.toml"
+    body.write_text("".join(f"{name} = {value}\n" for name, value in BODY.items()))
+    given = [text for name, file in own.items() for text in ("--set", f"{name}={file}")]
+    sensors = [["--set", f"force_sensor={sensor}", "--knowledge", str(body)] for sensor in ("motors", "straps")]
     for each in (given[:2], given[2:4], *sensors, given[:4]):
         assert run("slow_opening", *SHORT, *output, *each) == 0
     assert len(plays.names) == 6
@@ -88,7 +88,7 @@ def test_a_comfort_an_anatomy_and_a_force_sensor_of_ones_own_are_another_study(t
     assert len(plays.names) == 6, "kept"
     page = (tmp_path / "study" / "report.html").read_text()
     assert "force_N = 1.0" in page and "mass_kg = 0.4" in page
-    for file in own.values():
+    for file in (*own.values(), body):
         file.unlink()
     assert main(["report", str(tmp_path / "study"), "--patient", "1"]) == 0
 
