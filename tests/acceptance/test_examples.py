@@ -39,34 +39,6 @@ def refusal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
     return run_here
 
 
-def test_score_a_maneuver() -> None:
-    done = run("examples/score_a_maneuver.py", "--patients", "3", "--episode-s", "3")
-    assert done.returncode == 0, done.stderr
-    lines = done.stdout.splitlines()
-    assert lines[0].startswith("opening_with_circles in jawenv/Jaw-v3 on 3 patients")
-    assert sum(line.startswith(("log_F_o/", "log_b/")) for line in lines) == 12
-    assert any(line.startswith("NEES: ") for line in lines)
-
-
-def test_score_a_maneuver_names_a_file_that_is_not_there(refusal) -> None:
-    assert "no_such_file.yaml" in refusal("score_a_maneuver.py", "no_such_file.yaml")
-
-
-def test_reuse_environment_needs_no_torch() -> None:
-    # A package that is None in sys.modules cannot be imported.
-    code = """
-import runpy, sys
-for name in ("torch", "stable_baselines3", "pandas", "agents", "training", "eval"):
-    sys.modules[name] = None
-sys.argv = ["reuse_environment.py", "--episode-s", "3"]
-runpy.run_path("examples/reuse_environment.py", run_name="__main__")
-"""
-    done = run("-c", code)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("3 s, ")
-    assert "16 drawn patients: " in done.stdout
-
-
 def test_estimate_from_a_recording(tmp_path: Path, refusal) -> None:
     file = tmp_path / "recording.csv"
     made = run("examples/estimate_from_a_recording.py", "--make", str(file), "--seconds", "2")
