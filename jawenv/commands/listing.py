@@ -43,7 +43,7 @@ def _agents() -> dict[str, str]:
 
     listed = {name: _scored(read_card(SHIPPED / name)) for name in policy_names()}
     others = "each maneuver plays as an agent, too; planners run from a clone (agents/README.md)"
-    return listed | dict(DESCRIPTIONS) | {"": others}
+    return listed | {name: f"test signal: {text}" for name, text in DESCRIPTIONS.items()} | {"": others}
 
 
 def _scored(card: ModelCard) -> str:
