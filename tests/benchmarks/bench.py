@@ -1,4 +1,4 @@
-"""Speed beside Gymnasium's Humanoid-v5, parts of a control step, growth of memory, start-up times: `make bench`.
+"""Speed beside Gymnasium's Humanoid-v5, growth of memory, start-up times: `make bench`.
 
 Speeds are those of whole episodes, medians of interleaved repeats, so that what else the machine does falls on all of
 them alike. A target that is missed is reported as missed; the exit code says only whether the measurement ran. On a
@@ -21,7 +21,6 @@ from statistics import median
 import gymnasium as gym
 import numba
 import numpy as np
-from parts import SCRATCH_OFFSETS, parts_table, scratch_seconds
 from speeds import WORLDS, Row, Sinusoids, Size, humanoid, ladder_speeds, run_single, run_vector, say, sinusoids, speeds
 
 import jawenv
@@ -49,21 +48,6 @@ print(time.time(), time.process_time())
 
 
 FULL, QUICK = Size(), Size(2, 500, 1.0, 1, 20_000, 1_000)
-
-
-def part_rows(size: Size) -> list[Row]:
-    """What the parts of a control step take, and whether the scratch's address matters."""
-    say("parts of a control step")
-    head, *table = parts_table(size.repeats)
-    rows = [Row(f"part of a control step of one world: {', '.join(head[1:])}", "")]
-    rows += [Row(f"  {name}", "  ".join(f"{cell:>7}" for cell in cells)) for name, *cells in table]
-    say("address of the scratch")
-    times = scratch_seconds(size.repeats)
-    for offset, seconds in zip(SCRATCH_OFFSETS, times, strict=True):
-        rows.append(Row(f"control step, scratch {offset} bytes past a line", f"{1e6 * seconds:.1f} us"))
-    spread = max(times) / min(times) - 1.0
-    rows.append(Row("  slowest over fastest", f"+{spread:.1%}"))
-    return rows
 
 
 def seconds_for(estimator: Estimator, record: Record) -> float:
@@ -213,7 +197,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure speed, growth of memory and start-up of jawenv.")
     parser.add_argument("--quick", action="store_true", help="small numbers, to see that it runs")
     size = QUICK if parser.parse_args().quick else FULL
-    parts = (part_rows, speeds, filter_speeds, bound_speed, memory, start_up, ladder_speeds)
+    parts = (speeds, filter_speeds, bound_speed, memory, start_up, ladder_speeds)
     show(os.getloadavg(), [row for part in parts for row in part(size)])
 
 
