@@ -8,12 +8,9 @@ import argparse
 import sys
 from pathlib import Path
 
-import numpy as np
-
 import jawenv
 from agents import load_agent
-from jawenv.recordings.files import load_record, save_record
-from jawenv.references.extended_kalman import ExtendedKalman
+from jawenv.recordings.files import save_record
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 
@@ -27,17 +24,6 @@ def make(path: Path, seconds: float) -> None:
     print(f"{path}: {seconds:g} s of {MANEUVER.replace('_', ' ')}")
 
 
-def estimate(path: Path, cohort: str | None) -> None:
-    """Print F_o and b of every muscle, and how sure the filter is."""
-    record = load_record(path, cohort=cohort)
-    found = ExtendedKalman().estimate(record)
-    print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
-    print(f"{'':32}{'estimate':>10}{'sd':>8}{'truth':>8}")
-    for i, name in enumerate(record.parameter_names):
-        truth = f"{np.exp(record.truth[i]):8.2f}" if record.truth is not None else f"{'?':>8}"
-        print(f"{name.removeprefix('log_'):32}{np.exp(found.mean[-1, i]):10.2f}{100 * found.sd[-1, i]:6.1f} %{truth}")
-
-
 def main() -> None:
     """Read the command line."""
     parser = argparse.ArgumentParser(description="Estimate stiffness from a recording.")
@@ -49,7 +35,7 @@ def main() -> None:
     if given.make:
         make(given.file, given.seconds)
     else:
-        estimate(given.file, given.cohort)
+        print(jawenv.identify(given.file, cohort=given.cohort))
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
     from jawenv.anatomy.description import Anatomy
     from jawenv.anatomy.knowledge import Knowledge
+    from jawenv.answers.identify import identify
     from jawenv.base.errors import InputError
     from jawenv.device import Device
     from jawenv.device.comfort_settings import Comfort
@@ -56,6 +57,7 @@ _HOMES = {
     "contrastive_bounds": "jawenv.inference.information_gain",
     "fisher_information": "jawenv.inference.likelihood",
     "identifiability": "jawenv.analysis.identifiability",
+    "identify": "jawenv.answers.identify",
     "information_bound": "jawenv.playing.rollout",
     "log_likelihood": "jawenv.inference.likelihood",
     "maneuver_names": "jawenv.playing.maneuvers",
@@ -96,6 +98,7 @@ __all__ = [
     "contrastive_bounds",
     "fisher_information",
     "identifiability",
+    "identify",
     "information_bound",
     "log_likelihood",
     "maneuver_names",

@@ -21,9 +21,9 @@ from scipy.interpolate import CubicSpline
 import jawenv
 from agents import load_agent
 from eval.figures import statistics, words
-from jawenv.commands.answer import UNKNOWN
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.recordings.columns import ENCODERS, READINGS, TIME
+from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.files import load_record
 from jawenv.recordings.record import Record
@@ -108,7 +108,7 @@ def main() -> None:
             for number, record in enumerate(played.records):
                 with tempfile.TemporaryDirectory() as folder:
                     lab_file(record, hz, cell_hz, Path(folder) / "lab.csv", number)
-                    found, _ = identified_with_errors(load_record(Path(folder) / "lab.csv", UNKNOWN))
+                    found, _ = identified_with_errors(load_record(Path(folder) / "lab.csv", BENCH))
                 assert record.truth is not None
                 error, cov = found.estimate.mean[-1] - record.truth, found.estimate.cov[-1]
                 nees.append(float(error @ np.linalg.solve(cov, error)) / len(error))

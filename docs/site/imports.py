@@ -28,6 +28,7 @@ STUDY = (
     "trackers",
     "playing",
     "metrics",
+    "answers",
     "inference",
     "design",
     "suggesting",

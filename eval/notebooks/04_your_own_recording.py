@@ -76,17 +76,18 @@ except jawenv.InputError as error:
 # %% [markdown]
 # ## The estimate
 #
-# Estimates are of natural logarithms, so an sd of 0.05 is 5 %.
+# Estimates are of natural logarithms, so an sd of 0.05 is 5 %. `answer.believed` and `answer.doubts` say whether to
+# trust them.
 
 # %%
-from jawenv.references.extended_kalman import ExtendedKalman
-
-estimate = ExtendedKalman().estimate(record)
-mean, sd = estimate.mean[-1], estimate.sd[-1]
-results = pd.DataFrame({"estimate": np.exp(mean), "sd, %": 100 * sd}, index=record.parameter_names)
+answer = jawenv.identify(FILE)
+results = pd.DataFrame(
+    {"estimate": np.exp(answer.log_mean), "sd, %": 100 * answer.log_sd}, index=record.parameter_names
+)
 if record.truth is not None:
     results["true"] = np.exp(record.truth)
-    results["error / sd"] = (mean - record.truth) / sd
+    results["error / sd"] = (answer.log_mean - record.truth) / answer.log_sd
+print("believed" if answer.believed else answer.doubts)
 results.round(2)
 
 # %% [markdown]
@@ -95,6 +96,7 @@ results.round(2)
 # %%
 import matplotlib.pyplot as plt
 
+estimate = answer.whole.estimate
 course = pd.DataFrame(100 * estimate.sd, index=pd.Index(estimate.time, name="s"), columns=record.parameter_names)
 axes = course.plot(logy=True, ylabel="sd, %", figsize=(8, 4))
 axes.legend(fontsize="small", ncols=2)
@@ -108,7 +110,7 @@ axes.figure
 # It is computed at the estimate.
 
 # %%
-print(jawenv.identifiability(record, mean).describe())
+print(jawenv.identifiability(record, answer.log_mean).describe())
 
 # %% [markdown]
 # ## Next

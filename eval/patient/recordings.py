@@ -13,29 +13,18 @@ from eval.patient import page
 from eval.patient.courses import MOMENTS
 from eval.patient.treatments import Treatment
 from jawenv.anatomy import PARAMETER_NAMES
+from jawenv.answers.answer import Answer
 from jawenv.base.errors import InputError
 from jawenv.metrics import alarm_word
-from jawenv.recordings.identification import Identification
-from jawenv.recordings.record import Record
-from jawenv.recordings.untold.learnt import Learnt
 
 
-def write_page(
-    record: Record, result: Identification, last: Learnt | None, recording: Path, target: Path, assumed: str
-) -> Path:
-    """Write the page; without a verdict where the estimates are not to be believed.
-
-    Args:
-        record: the recording.
-        result: its identification.
-        last: its last belief, where sizes of errors that nobody told were learnt.
-        recording: its file.
-        target: the page's file.
-        assumed: what was assumed of patient, anatomy and head, in words.
+def write_page(answer: Answer, target: Path) -> Path:
+    """Write the page of an answer; without a verdict where the estimates are not to be believed.
 
     Returns:
         The page's file.
     """
+    record, result, recording = answer.records[0], answer.whole, Path(answer.paths[0])
     if record.parameter_names != PARAMETER_NAMES:
         raise InputError(f"{recording}: has other muscles; allowed: the six closing ones")
     simulated = record.truth is not None
@@ -47,15 +36,15 @@ def write_page(
         truth=np.full(len(PARAMETER_NAMES), np.nan) if record.truth is None else record.truth,
         violated=False,
         misfit=result.misfit if result.believable else inf,
-        shown=None if last is None else last.shown,
+        shown=None if answer.learnt is None else answer.learnt.shown,
     ).thinned(MOMENTS)
     subject = page.Subject(
         who=f"Recording “{recording.stem}”",
         account=f"{record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz, {result.rows:,} rows, {result.refused:,} refused; "
-        f"alarm: {alarm_word(result.misfit)}. Assumed: {assumed}",
+        f"alarm: {alarm_word(result.misfit)}. Assumed: {answer.assumed}",
         notice="Research, not a medical device." + (" The patient is simulated." if simulated else ""),
         prior=record.prior,
         recorded=True,
     )
-    command = shlex.join(["jawenv", "identify", str(recording), "--page", str(target)])
+    command = shlex.join(["jawenv", "identify", *answer.paths, "--page", str(target)])
     return page.write(page.render(subject, [treatment], made_with(command), simulated), target)

@@ -88,15 +88,11 @@ def _identify_command(
     Ends with status 3 where the estimates are not to be believed.
     """
     from jawenv.commands.outputs import answering
-    from jawenv.commands.recordings import identify
+    from jawenv.commands.recordings import print_answer
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample, "before": before}
-    with answering(json) as answer:
-        if len(recordings) > 1:
-            from jawenv.commands.several import identify_together
-
-            return identify_together(recordings, reading, page, answer)
-        return identify(recordings[0], reading, page, answer)
+    with answering(json) as output:
+        return print_answer(recordings, reading, page, output)
 
 
 @app.command("doctor")
@@ -107,7 +103,7 @@ def _doctor_command(
     resample: options.Resample = None,
 ) -> int:
     """Say what is wrong with a bench's recording, and what mends it (docs/recordings.md)."""
-    from jawenv.commands.doctor import look_at
+    from jawenv.commands.recordings import look_at
 
     return look_at(recording, {"cohort": cohort, "columns": columns, "resample_hz": resample})
 

@@ -17,7 +17,7 @@ _TERMINAL = Path("-")
 
 
 @dataclass(frozen=True)
-class Answer:
+class Output:
     """A file or the terminal, for an answer as JSON."""
 
     path: Path | None  # of the file; None for the terminal
@@ -34,20 +34,20 @@ class Answer:
 
 
 @contextlib.contextmanager
-def answering(path: Path | None) -> Iterator[Answer | None]:
+def answering(path: Path | None) -> Iterator[Output | None]:
     """The answer of ``--json``; for ``-`` all else that the block prints goes to stderr."""
     if path is None:
         yield None
         return
     terminal, alone = sys.stdout, path == _TERMINAL
     with contextlib.redirect_stdout(sys.stderr if alone else terminal):
-        yield Answer(None if alone else path, terminal)
+        yield Output(None if alone else path, terminal)
 
 
-def check_outputs(page: Path | None, answer: Answer | None, inputs: Iterable[object]) -> None:
+def check_outputs(page: Path | None, output: Output | None, inputs: Iterable[object]) -> None:
     """Check that page and answer are two files, and none of the inputs: options that are no file are passed over."""
-    outputs = [path for path in (page, None if answer is None else answer.path) if path is not None]
-    for output in outputs:
-        check_kept(output, inputs)
+    outputs = [path for path in (page, None if output is None else output.path) if path is not None]
+    for path in outputs:
+        check_kept(path, inputs)
     if len({path.resolve() for path in outputs}) < len(outputs):
         raise InputError(f"--page and --json are both {page}; allowed: two files")

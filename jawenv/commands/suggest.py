@@ -7,10 +7,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from jawenv.answers.answer import least_known
 from jawenv.base.errors import InputError
 from jawenv.base.files import check_kept
-from jawenv.commands.answer import UNKNOWN, least_known
 from jawenv.playing.maneuvers.written import save_maneuver
+from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.files import load_record
 from jawenv.suggesting.lead import led_back
 from jawenv.suggesting.suggestion import BESIDE, suggest
@@ -31,7 +32,7 @@ def suggest_next(path: Path, output: Path, wanted: dict[str, Any], reading: dict
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
     check_kept(output, [path, *reading.values()])
-    record = load_record(path, UNKNOWN, **reading)
+    record = load_record(path, BENCH, **reading)
     found = suggest(record, **wanted, told=partial(print, file=sys.stderr, flush=True))
     maneuver, before = led_back(record, found)
     save_maneuver(maneuver, output)

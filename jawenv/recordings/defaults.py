@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 ANYONE = "anyone"
 UNLABELLED = Configuration(cohort=ANYONE, control="force")
 """World of a recording of which nothing is told."""
+BENCH = replace(UNLABELLED, knowledge="bench")
+"""World of a bench's recording of which nothing is told: the anatomy is that of a scan."""
 UNMODELLED_TIME = 0.01
 """s over which ``Device.unmodelled_force_N`` is constant: over a longer tick its mean is smaller."""
 STEEPEST_TILT = 90.0  # degrees

@@ -8,9 +8,9 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from jawenv.commands import answer as answers
-from jawenv.commands.answer import UNKNOWN
+from jawenv.answers import assumed
 from jawenv.commands.app import main
+from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.files import load_record, save_record
 
 LABELS = ("prior_mean", "prior_sd", "knowledge", "truth", "start_mean", "start_sd")
@@ -56,12 +56,22 @@ def test_a_file_without_a_label_is_of_anyone_with_a_scans_anatomy(cohort, tmp_pa
     assert all(name in said.split("at the edge of what was assumed: ")[1] for name in found["at_the_priors_edge"])
 
 
+def test_in_python_it_is_the_same(tmp_path, capsys):
+    path, file = without_labels(played("severe"), tmp_path / "bench.csv"), tmp_path / "answer.json"
+    main(["identify", str(path), "--json", str(file)])
+    said, answer = capsys.readouterr().out, jawenv.identify(path)
+    assert str(answer) in said and answer.believed and answer.doubts == []
+    found = json.loads(file.read_text(encoding="utf-8"))
+    assert answer.mapping() == found and answer.log_mean.tolist() == found["log_mean"]
+    assert answer.verdicts["masseter_left"].word in said and answer.log_sd.shape == (12,)
+
+
 def test_a_file_that_states_its_patient_keeps_it(tmp_path):
     save_record(played("severe"), tmp_path / "severe.csv")
     record = load_record(tmp_path / "severe.csv")
     np.testing.assert_allclose(record.prior.mean, jawenv.cohort("severe").prior.mean)
     assert record.knowledge.exact
-    again = load_record(tmp_path / "severe.csv", UNKNOWN)
+    again = load_record(tmp_path / "severe.csv", BENCH)
     assert again.knowledge.exact and np.array_equal(again.prior.mean, record.prior.mean)
 
 
@@ -102,7 +112,7 @@ def test_trying_other_patients_is_said_where_it_lasts(tmp_path, capsys, monkeypa
     arguments = ["identify", str(path), "--cohort", "trismus"]
     assert main(arguments) == 3
     assert "tries whether" not in capsys.readouterr().err
-    monkeypatch.setattr(answers, "PATIENCE_S", -1.0)
+    monkeypatch.setattr(assumed, "PATIENCE_S", -1.0)
     assert main(arguments) == 3
     assert "tries whether a patient of anyone fits, 1 of" in capsys.readouterr().err
 

@@ -8,8 +8,8 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.base.errors import InputError
-from jawenv.commands.answer import UNKNOWN
 from jawenv.recordings.columns import READINGS
+from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.files import load_record
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.untold.learnt import identified_with_errors
@@ -25,7 +25,7 @@ def played():
 @pytest.mark.parametrize(("hz", "cell_hz"), [(60, 20), (120, 80), (240, 20)])
 def test_a_slow_load_cell_is_read_on_lines(tmp_path, hz, cell_hz):
     lab_file(played(), hz, cell_hz, tmp_path / "lab.csv")
-    record = load_record(tmp_path / "lab.csv", UNKNOWN)
+    record = load_record(tmp_path / "lab.csv", BENCH)
     assert np.isfinite(record.samples).all(axis=(1, 2)).mean() > 0.95
     found, _ = identified_with_errors(record)
     error, cov = found.estimate.mean[-1] - played().truth, found.estimate.cov[-1]
@@ -35,20 +35,20 @@ def test_a_slow_load_cell_is_read_on_lines(tmp_path, hz, cell_hz):
 
 def test_readings_that_are_held_and_forces_that_are_hardly_read_are_named(tmp_path):
     lab_file(played(), 100, 5, tmp_path / "lab.csv")
-    (rare,) = (one for one in findings(load_record(tmp_path / "lab.csv", UNKNOWN)) if not one.plausible)
+    (rare,) = (one for one in findings(load_record(tmp_path / "lab.csv", BENCH)) if not one.plausible)
     assert rare.value == "read in 0 % of the ticks" and "80 % or more" in rare.allowed
     lab_file(played(), 100, 20, tmp_path / "lab.csv")
     names, *rows = (line.split(",") for line in (tmp_path / "lab.csv").read_text(encoding="utf-8").splitlines())
     for before, row in zip(rows, rows[1:], strict=False):
         row[-6:] = before[-6:] if not row[-1] else [f"{float(value):.4f}" for value in row[-6:]]
     (tmp_path / "lab.csv").write_text("\n".join(map(",".join, [names, *rows])) + "\n", encoding="utf-8")
-    (held,) = (one for one in findings(load_record(tmp_path / "lab.csv", UNKNOWN)) if not one.plausible)
+    (held,) = (one for one in findings(load_record(tmp_path / "lab.csv", BENCH)) if not one.plausible)
     assert "repeated readings in 80 %" in held.value and "leave the rows between empty" in held.allowed
 
 
 def test_a_sensor_that_rounds_to_steps_repeats_no_reading(tmp_path):
     lab_file(played(), 100, 100, tmp_path / "lab.csv")
-    record = load_record(tmp_path / "lab.csv", UNKNOWN)
+    record = load_record(tmp_path / "lab.csv", BENCH)
     record.measured[:] = np.round(record.measured, 3)
     record.samples[:] = np.round(record.samples, 1)
     assert all(one.plausible for one in findings(record))

@@ -34,7 +34,7 @@ _TELLING = 1e-3
 
 
 @dataclass(frozen=True)
-class _Agreement:
+class Agreement:
     """Chi-squared of the two recordings whose beliefs agree least."""
 
     pair: tuple[int, int]  # numbers of the two
@@ -71,7 +71,7 @@ def combined(before: tuple[Array, Array], working: Prior, mean: Array, cov: Arra
     return working.mean + np.einsum("tij,tj->ti", covariance, steps), covariance
 
 
-def agreement(prior: Prior, means: Array, covs: Array) -> _Agreement:
+def agreement(prior: Prior, means: Array, covs: Array) -> Agreement:
     """Whether the beliefs (N, p) and (N, p, p) of N recordings, each from the same prior, can be of one patient.
 
     With P_0 the prior's covariance, and P_i the belief's, the mean m_i varies by P_0 - P_i over patients, and with m_j
@@ -82,7 +82,7 @@ def agreement(prior: Prior, means: Array, covs: Array) -> _Agreement:
     return min(found, key=lambda one: (one.p, -one.squares))
 
 
-def _between(prior: Prior, means: Array, covs: Array, pair: tuple[int, int], pairs: int) -> _Agreement:
+def _between(prior: Prior, means: Array, covs: Array, pair: tuple[int, int], pairs: int) -> Agreement:
     one, other = np.diag(prior.sd**2) - covs
     shared = one / prior.sd**2 @ other
     variance = (one + other - shared - shared.T) / np.outer(prior.sd, prior.sd)
@@ -93,7 +93,7 @@ def _between(prior: Prior, means: Array, covs: Array, pair: tuple[int, int], pai
     degrees = int(telling.sum())
     p = min(1.0, pairs * float(chi2.sf(squares, degrees))) if degrees else 1.0
     sd = np.sqrt(np.maximum(np.diagonal(variance), _TELLING))
-    return _Agreement(pair, squares, degrees, p, int(np.argmax(np.abs(away) / sd)))
+    return Agreement(pair, squares, degrees, p, int(np.argmax(np.abs(away) / sd)))
 
 
 @dataclass(frozen=True, eq=False)

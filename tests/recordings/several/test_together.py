@@ -124,7 +124,7 @@ def test_the_same_readings_twice_are_refused(tmp_path, capsys):
 def test_too_many_recordings_are_refused_before_one_is_read(tmp_path, capsys):
     missing = [str(tmp_path / f"{i}.csv") for i in range(9)]
     assert main(["identify", *missing]) == 2
-    assert capsys.readouterr().err == "error: 9 recordings; allowed: 2 to 8\n"
+    assert capsys.readouterr().err == "error: 9 recordings; allowed: 1 to 8\n"
 
 
 def test_two_patients_are_named_in_one_sentence(tmp_path, capsys):
@@ -133,4 +133,4 @@ def test_two_patients_are_named_in_one_sentence(tmp_path, capsys):
     said = capsys.readouterr().out
     assert "0.csv and " in said and said.count("are not of one patient in one state: ") == 1 and "F_o left" not in said
     assert main(["identify", *paths, "--before", paths[0]]) == 2
-    assert "--before with several recordings; allowed: with one" in capsys.readouterr().err
+    assert "before is given with recordings of six coordinates" in capsys.readouterr().err

@@ -1,8 +1,9 @@
-"""The answer of ``jawenv identify`` to a stretcher's log of force and opening: printed, and as JSON."""
+"""The answer to a stretcher's log of force and opening: printed, and as JSON."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 from jawenv.anatomy import MUSCLE_NAMES, cohort
 from jawenv.base.errors import InputError
 from jawenv.base.versions import package_versions
-from jawenv.commands.outputs import Answer, check_outputs
 from jawenv.metrics.diagnosis import MEASURED
 from jawenv.metrics.verdicts import NOT_MEASURED
 from jawenv.recordings.defaults import ANYONE
@@ -22,49 +22,63 @@ from jawenv.recordings.words import WORDS
 
 Array = NDArray[np.float64]
 
-NOT_BELIEVABLE = 3
 BAND = (0.05, 0.5, 0.95)
 ALLOWED = ("cohort", "columns", "before")
 TELLS = "This log tells how stiff the jaw is, not where."
 
 
-def identify_log(
-    table: RecordTable, reading: Mapping[str, Any], others: Mapping[str, Any], answer: Answer | None
-) -> int:
-    """Print what a log of force and opening tells, and whether it is to be believed.
+@dataclass(frozen=True, eq=False)
+class StretcherAnswer:
+    """The answer to a stretcher's log of force and opening, and an earlier one; printed, it is the command's table."""
+
+    found: tuple[Stretched, ...]
+
+    @property
+    def believed(self) -> bool:
+        """Whether nothing speaks against any of the logs."""
+        return all(one.believed for one in self.found)
+
+    @property
+    def doubts(self) -> list[str]:
+        """Why a log is not to be believed; empty where all are."""
+        return [f"{one.log.path}: {doubt}" for one in self.found for doubt in one.doubts]
+
+    def reasons(self) -> list[str]:
+        """The doubts, a line each."""
+        return [f"- {doubt}" for doubt in self.doubts]
+
+    def __str__(self) -> str:
+        lines = [line for one in self.found for line in _lines(one)]
+        if len(self.found) > 1 and self.believed:
+            lines += ["", f"since {self.found[1].log.path}, 90 %:"]
+            lines += [f"{name:18} {_interval(ratio)} times" for name, ratio in changes(*self.found).items()]
+        return "\n".join(lines)
+
+    def mapping(self) -> dict[str, Any]:
+        """The answer as a program reads it: text, numbers, lists and None alone; the log, then an earlier one."""
+        answer = [_one(one) for one in self.found]
+        change = {}
+        if len(self.found) > 1 and self.believed:
+            change = {name: _quantiles(ratio) for name, ratio in changes(*self.found).items()}
+        return answer[0] | {"before": answer[1:], "change": change, "versions": package_versions()}
+
+
+def answer_of_log(table: RecordTable, reading: Mapping[str, Any], before: Any) -> StretcherAnswer:
+    """The answer to a log of force and opening.
 
     Args:
         table: as read.
-        reading: options of the command: ``cohort``, ``columns`` and ``before``, an earlier log of the same patient.
-        others: further options by name, all None.
-        answer: where all is written as JSON; None for nowhere.
-
-    Returns:
-        Exit code: 0, or 3 where a log is not to be believed.
+        reading: arguments of ``jawenv.identify``, of which ``cohort`` and ``columns`` are allowed.
+        before: path of an earlier log of the same patient, or None.
     """
-    given = {name for name, value in ({**reading, **others}).items() if value is not None}
-    if refused := sorted(given.difference(ALLOWED)):
-        name, allowed = refused[0].removesuffix("_hz"), ", ".join(f"--{name}" for name in (*ALLOWED, "json"))
-        raise InputError(f"{table.path}: --{name} with a log of force and opening; allowed: {allowed}")
-    columns, before = reading["columns"], reading["before"]
-    check_outputs(None, answer, [table.path, *reading.values()])
-    logs = [log_of_table(table, columns)]
+    for name, value in reading.items():
+        if value is not None and name not in ALLOWED:
+            raise InputError(f"{table.path}: {name} with a log of force and opening; allowed: {', '.join(ALLOWED)}")
+    logs = [log_of_table(table, reading["columns"])]
     if before is not None:
-        logs.append(log_of_table(read_table(checked_path(before), WORDS), columns))
+        logs.append(log_of_table(read_table(checked_path(before), WORDS), reading["columns"]))
     population = cohort(reading["cohort"] or table.header.get("cohort", ANYONE))
-    found = [stretched(log, population, seed=i) for i, log in enumerate(logs)]
-    for one in found:
-        _print(one)
-    if len(found) > 1 and all(one.believed for one in found):
-        print(f"\nsince {logs[1].path}, 90 %:")
-        for name, ratio in changes(*found).items():
-            print(f"{name:18} {_interval(ratio)} times")
-    if answer is not None:
-        answer.write(as_mapping(found))
-    for one in found:
-        if not one.believed:
-            print(f"\n{one.log.path}: NOT TO BE BELIEVED:", *(f"- {doubt}" for doubt in one.doubts), sep="\n")
-    return 0 if all(one.believed for one in found) else NOT_BELIEVABLE
+    return StretcherAnswer(tuple(stretched(log, population, seed=i) for i, log in enumerate(logs)))
 
 
 def changes(now: Stretched, before: Stretched) -> dict[str, Array]:
@@ -81,15 +95,6 @@ def told(found: Stretched) -> dict[str, bool]:
     words = {name: bool(np.std(after[name]) <= MEASURED * np.std(before[name])) for name in before}
     of_each = np.std(found.theta, axis=0) <= MEASURED * np.std(found.prior, axis=0)
     return words | {name: bool(of_each[2 * i : 2 * i + 2].all()) for i, name in enumerate(MUSCLE_NAMES)}
-
-
-def as_mapping(found: list[Stretched]) -> dict[str, Any]:
-    """The answer as a pipeline reads it: text, numbers, lists and None alone; the log, then an earlier one."""
-    answer = [_one(one) for one in found]
-    change = {}
-    if len(found) > 1 and all(one.believed for one in found):
-        change = {name: _quantiles(ratio) for name, ratio in changes(*found).items()}
-    return answer[0] | {"before": answer[1:], "change": change, "versions": package_versions()}
 
 
 def _one(found: Stretched) -> dict[str, Any]:
@@ -117,23 +122,23 @@ def _interval(draws: Array) -> str:
     return f"{middle:.3g} ({low:.3g} to {high:.3g})"
 
 
-def _print(found: Stretched) -> None:
+def _lines(found: Stretched) -> list[str]:
     log, known = found.log, found.assumed
-    print(f"{log.path}: {len(log.time):,} rows, {log.time[-1] - log.time[0]:g} s, up to {found.reached_mm:.1f} mm")
-    print(
+    lines = [
+        f"{log.path}: {len(log.time):,} rows, {log.time[-1] - log.time[0]:g} s, up to {found.reached_mm:.1f} mm",
         f"assumed: patient: {found.cohort.name} · teeth meet at 0 ± {known.reference_mm:g} mm · head tilted by "
         f"{log.head_tilt_deg:g} ± {known.tilt_deg:g} degrees · tone ± {known.tone_N:g} N a line · force "
-        f"± {100.0 * known.gain:g} %"
-    )
-    print(f"misfit:  {found.misfit:.3g} (believed up to 1)")
+        f"± {100.0 * known.gain:g} %",
+        f"misfit:  {found.misfit:.3g} (believed up to 1)",
+    ]
     if not found.believed:
-        return
-    print("\nforce that holds the relaxed jaw open, N, 90 %")
-    for opening, force in zip(found.openings, found.forces.T, strict=True):
-        print(f"{f'{opening:g} mm':18} {_interval(force)}")
+        return lines
+    lines += ["", "force that holds the relaxed jaw open, N, 90 %"]
+    forces = zip(found.openings, found.forces.T, strict=True)
+    lines += [f"{f'{opening:g} mm':18} {_interval(force)}" for opening, force in forces]
     pull, known_of = pulls(found.theta), told(found)
-    print("\npull of the closed jaw F_o, N, 90 %")
+    lines += ["", "pull of the closed jaw F_o, N, 90 %"]
     for name, title in (("all", "all muscles"), ("left", "left"), ("right", "right"), ("left : right", "left : right")):
-        print(f"{title:18} {_interval(np.exp(pull[name]))}{'' if known_of[name] else f'   {NOT_MEASURED}'}")
+        lines.append(f"{title:18} {_interval(np.exp(pull[name]))}{'' if known_of[name] else f'   {NOT_MEASURED}'}")
     muscles = [name for name in MUSCLE_NAMES if known_of[name]]
-    print(f"muscles told: {', '.join(muscles) or 'none'}\n{TELLS}")
+    return [*lines, f"muscles told: {', '.join(muscles) or 'none'}", TELLS]

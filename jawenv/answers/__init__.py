@@ -1,0 +1,1 @@
+"""Answers to recordings of one patient: printed, and as JSON."""
