@@ -66,6 +66,8 @@ def test_readmes_seconds_are_those_of_the_table() -> None:
         names, _, *entries = rows_of(study.split(f"**{cohort}**")[1])
         of = {row[0]: f"{float(row[names.index('s to 5 %')]):.1f}" for row in entries}
         assert seconds == [of[entry.replace("slow opening", "slow_opening")] for entry in heading[1:]], cohort
+    paper = " ".join((ROOT / "paper" / "paper.md").read_text(encoding="utf-8").split())
+    assert f"it needs {seconds[0]} s on average (10 s at most), the best searched movement {seconds[1]} s" in paper
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
