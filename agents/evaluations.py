@@ -24,7 +24,7 @@ class _Curve(NamedTuple):
 
 CURVES = (
     _Curve("worst_sd", "worst error bar at the end, %", 100.0),
-    _Curve("known_s", "seconds until all are within 5 %", 1.0),
+    _Curve("known_s", "s until all are within 5 %, in half of the patients", 1.0),
     _Curve("discomfort_s", "discomfort, s per 30 s", 1.0),
 )
 

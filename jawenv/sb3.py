@@ -48,9 +48,9 @@ class NativeVecEnv(VecEnv):
     made, the `EPISODE_FIGURES` of the last step, ``cost``, the sum of ``info["cost"]`` over the episode's
     steps (safety-gymnasium's episode cost), and ``discomfort_s``, what that is for 30 s. Where the environment tells
     time and sds, there is the largest sd that is asked for at the end (``worst_sd``) and `EARLY_S` after the start, or
-    at the end of a shorter episode (``worst_sd_10s``), and the seconds until a settled belief is at `KNOWN`, at most
-    the episode's length (``known_s``). The same figures, and the other numbers of ``final_info``, stand beside
-    ``episode``, where ``VecMonitor(worlds, info_keywords=("cost",))`` finds them.
+    at the end of a shorter episode (``worst_sd_10s``), and the seconds until a settled belief is at `KNOWN`, infinite
+    if none was (``known_s``). The same figures, and the other numbers of ``final_info``, stand beside ``episode``,
+    where ``VecMonitor(worlds, info_keywords=("cost",))`` finds them.
 
     Attributes:
         discomfort_s: (N,) cost of the latest step times its length, s; 0 where the environment tells no cost or time.
@@ -96,7 +96,7 @@ class NativeVecEnv(VecEnv):
     def _clear(self) -> None:
         self._returns = np.zeros(self.num_envs)
         self._costs = np.zeros(self.num_envs)
-        self._early_sd, self._known_s = (np.full(self.num_envs, np.nan) for _ in range(2))
+        self._early_sd, self._known_s = (np.full(self.num_envs, value) for value in (np.nan, np.inf))
         self.discomfort_s = np.zeros(self.num_envs)
         self._lengths = np.zeros(self.num_envs, dtype=np.int64)
 
@@ -148,7 +148,7 @@ class NativeVecEnv(VecEnv):
             self._early_sd[early] = worst[early]
             settled = _last(info, "settled", done)
             sure = (worst <= KNOWN) & (True if settled is None else settled > 0.0)
-            known = np.isnan(self._known_s) & (sure | done)
+            known = np.isinf(self._known_s) & sure
             self._known_s[known] = time_s[known]
 
     def _checked(self, reward: np.ndarray) -> np.ndarray:
@@ -190,7 +190,7 @@ class NativeVecEnv(VecEnv):
             }
         self._returns[worlds] = 0.0
         self._costs[worlds] = 0.0
-        self._early_sd[worlds] = self._known_s[worlds] = np.nan
+        self._early_sd[worlds], self._known_s[worlds] = np.nan, np.inf
         self._lengths[worlds] = 0
 
     def close(self) -> None:

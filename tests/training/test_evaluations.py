@@ -13,7 +13,7 @@ from jawenv.base.progress import Progress
 from jawenv.sb3 import KNOWN, NativeVecEnv
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig, EvaluationConfig
-from training.run.evaluations import Evaluation, Evaluations, evaluate
+from training.run.evaluations import Evaluation, Evaluations, evaluate, in_words
 from training.run.folder import RunFolder
 
 
@@ -84,7 +84,8 @@ def test_worst_sd_is_that_at_10_s_and_at_the_end_and_its_median_counts() -> None
     at_10_s = np.ceil(10.0 / DT_S)
     np.testing.assert_allclose(figures["worst_sd_10s"], 0.5 / (1.0 + np.minimum(length, at_10_s)))
     assert length.min() < at_10_s < length.max()
-    np.testing.assert_allclose(figures["known_s"], DT_S * np.minimum(length, np.ceil(0.5 / KNOWN - 1.0)))
+    steps = np.ceil(0.5 / KNOWN - 1.0)
+    np.testing.assert_allclose(figures["known_s"], np.where(length < steps, np.inf, DT_S * steps))
     assert outcome.averages()["worst_sd"] == np.median(figures["worst_sd"])
     np.testing.assert_allclose(figures["discomfort_s"], 30.0 * figures["cost"] / length)
 
@@ -171,6 +172,11 @@ def test_the_beginning_and_the_best_are_shown_of_the_same_patients_without_nats(
         "best: worst error bar 2.93 %, all within 5 % after 5.5 s, discomfort 0.07 s in 30 s; "
         "at the beginning: worst error bar 3.33 %, all within 5 % after 6.5 s, discomfort 0.064 s in 30 s"
     )
+
+
+def test_who_is_never_known_is_told_so() -> None:
+    assert in_words({"worst_sd": 0.4, "known_s": np.inf}) == "worst error bar 40 %, all within 5 % never"
+    assert in_words({"return": 3.0}) == "return 3"
 
 
 def test_the_first_evaluations_follow_each_other_sooner(tmp_path: Path) -> None:

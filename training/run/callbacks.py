@@ -129,7 +129,9 @@ class Upkeep(BaseCallback):
         if episodes:
             for key in episodes[0]:
                 if key not in ("r", "l", "t"):  # stable-baselines3 logs these itself
-                    self.logger.record(f"rollout/{key}", float(np.mean([episode[key] for episode in episodes])))
+                    mean = float(np.mean([episode[key] for episode in episodes]))
+                    if np.isfinite(mean):  # whoever is never known has no time
+                        self.logger.record(f"rollout/{key}", mean)
             self._progress.note("return", f"return {np.mean([episode['r'] for episode in episodes]):.4g}")
         comfort = self._config.comfort
         if self._multiplier is not None and comfort is not None and len(self._discomfort) >= comfort.episodes:

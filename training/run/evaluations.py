@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -21,7 +22,7 @@ from training.run.folder import RunFolder
 
 CONFIDENCE = 0.95
 _BEGINNING = "the movement that it begins with"
-MEDIANS = ("worst_sd", "worst_sd_10s")
+MEDIANS = ("worst_sd", "worst_sd_10s", "known_s")
 """Figures by the median over patients, since a few stiff patients would rule the mean."""
 COLUMNS = (
     "return",
@@ -232,10 +233,11 @@ class Evaluations(BaseCallback):
 
 
 def in_words(row: Row) -> str:
-    """The figures of a row that a reader compares; the return of an environment that reports none of them."""
+    """The figures of a row that a reader compares, medians over patients; the return where there is none of them."""
+    known = row.get("known_s", math.inf)
     words = {
         "worst_sd": f"worst error bar {100.0 * row.get('worst_sd', 0.0):.3g} %",
-        "known_s": f"all within {100.0 * KNOWN:g} % after {row.get('known_s', 0.0):.2g} s",
+        "known_s": f"all within {100.0 * KNOWN:g} % " + (f"after {known:.2g} s" if math.isfinite(known) else "never"),
         "discomfort_s": f"discomfort {row.get('discomfort_s', 0.0):.2g} s in 30 s",
     }
     return ", ".join(text for name, text in words.items() if name in row) or f"return {row['return']:.4g}"

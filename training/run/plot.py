@@ -109,9 +109,15 @@ def _stacked(tables: list[Table], column: str, factor: float) -> tuple[NDArray[n
     end = min(table[-1]["steps"] for table in tables)
     steps = np.array([row["steps"] for row in tables[0] if row["steps"] <= end])
     curves = [
-        np.interp(steps, [row["steps"] for row in table], [factor * row[column] for row in table]) for table in tables
+        np.interp(steps, [row["steps"] for row in table], [_finite(factor * row[column]) for row in table])
+        for table in tables
     ]
     return steps, np.stack(curves)
+
+
+def _finite(value: float) -> float:
+    """A value, or NaN where it is infinite, of which nothing is drawn."""
+    return value if np.isfinite(value) else np.nan
 
 
 def _curve(axes: Axes, name: str, steps: NDArray[np.float64], values: NDArray[np.float64]) -> None:
