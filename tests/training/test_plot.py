@@ -29,6 +29,12 @@ def test_picture_is_written(runs: list[Path], tmp_path: Path, capsys: pytest.Cap
     assert output.read_bytes().startswith(b"\x89PNG") and str(output) in capsys.readouterr().out
 
 
+def test_who_is_never_known_leaves_an_empty_panel(runs: list[Path], tmp_path: Path) -> None:
+    table = runs[0] / "evaluations.csv"
+    table.write_text("\n".join([HEADER, "0,1,0.4,inf,0.5", "100,1,0.3,inf,0.5"]) + "\n")
+    assert main(["plot", str(runs[0]), "--output", str(tmp_path / "curves.png")]) == 0
+
+
 def test_seeds_of_a_run_are_one_curve_as_far_as_all_have_come(runs: list[Path]) -> None:
     groups = _grouped([*runs, runs[0]])
     assert {name: len(tables) for name, tables in groups.items()} == {"sac": 2, "ppo": 1}

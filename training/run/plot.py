@@ -62,8 +62,9 @@ def figure(groups: dict[str, list[Table]]) -> Figure:
     for axes, (column, label, factor) in zip(panels, CURVES, strict=True):
         for name, tables in groups.items():
             _curve(axes, name, *_stacked(tables, column, factor))
-        highest = max(axes.dataLim.ymax, 0.0)
-        axes.set(xlabel="environment steps", ylabel=label, ylim=(0.0, _HEADROOM * highest if highest > 0.0 else 1.0))
+        highest = axes.dataLim.ymax
+        end = _HEADROOM * highest if np.isfinite(highest) and highest > 0.0 else 1.0
+        axes.set(xlabel="environment steps", ylabel=label, ylim=(0.0, end))
         axes.xaxis.set_major_locator(MaxNLocator(5))
         axes.xaxis.set_major_formatter(EngFormatter(sep=""))
         axes.grid(alpha=0.3)
