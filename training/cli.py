@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 from jawenv.base.errors import InputError
+from jawenv.base.extras import of_the_clone
 from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
 from training.search.commands import refine
@@ -117,7 +118,7 @@ def _export_command(
     output: Annotated[Path, typer.Option(metavar="FOLDER|FILE.onnx", help="Folder of the policy, or an ONNX file.")],
     results: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="YAML, JSON or TOML file with what the policy reached, for the card."),
+        typer.Option(metavar="FOLDER", help="Finished comparison with the run, whose figures the card gets."),
     ] = None,
     licence: Annotated[str, typer.Option(metavar="NAME", help="Licence of the weights.")] = "MIT",
     overwrite: Overwrite = False,
@@ -138,7 +139,10 @@ def _export_command(
         print(f"{output}: observation (N, size), step (N,) -> action (N, 4)")
         return
     command = shlex.join(["python", "-m", "training", *sys.argv[1:]])
-    card = export(RunFolder(run), output, results=results, licence=licence, command=command, overwrite=overwrite)
+    reached = ()
+    if results is not None:
+        reached = of_the_clone("--results", "eval.comparison.card_results", "eval").results_of_run(results, run)
+    card = export(RunFolder(run), output, results=reached, licence=licence, command=command, overwrite=overwrite)
     Console(highlight=False, markup=False).print(
         f"exported the {card.algorithm} policy of {run} after {card.steps:,} steps: {output}", soft_wrap=True
     )

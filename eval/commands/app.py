@@ -92,7 +92,6 @@ def _study_command(
 COMMANDS: dict[str, Callable[..., None] | str] = {
     "compare": "eval.commands.comparison",
     "report": "eval.commands.comparison",
-    "card": "eval.commands.comparison",
     "replay": "eval.commands.comparison",
     "calibrate": "eval.commands.calibration",
     "benchmark": "eval.commands.benchmark",

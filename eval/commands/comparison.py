@@ -1,4 +1,4 @@
-"""The commands ``python -m eval compare``, ``report``, ``card`` and ``replay``."""
+"""The commands ``python -m eval compare``, ``report`` and ``replay``."""
 
 from __future__ import annotations
 
@@ -92,27 +92,6 @@ def _report_command(
     study = results.load(folder)
     play = partial(play_patient, seed=patient, trust=trust)
     _present(study, folder, ranked.reference, admission, terminal(), details, play)
-
-
-def _card_command(
-    folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
-    entry: Annotated[str, typer.Argument(help="Whose figures: an entry of the comparison.", metavar="ENTRY")],
-    output: Annotated[Path, typer.Option(help="The file to write, a .json.", metavar="FILE")] = Path(
-        "runs/results.json"
-    ),
-) -> None:
-    """Write an entry's figures in a comparison, for the model card of `training export --results`."""
-    from eval.comparison import results
-    from eval.comparison.card_results import card_results
-    from jawenv.base.files import write_json
-
-    reached = card_results(results.load(folder), entry)
-    with alone(output):
-        write_json(output, reached)
-    for result in reached.results:
-        kind, value = ("mean", result.mean) if result.median is None else ("median", result.median)
-        print(f"{result.metric}: {kind} {value:g} ({result.low:g} … {result.high:g})")
-    print(f"written: {output}")
 
 
 @options.takes_world("control")

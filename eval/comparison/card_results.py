@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
-from eval.comparison.results import Results
+from eval.comparison.results import Results, load
 from eval.figures import statistics
 from eval.figures.catalogue import FIGURES
 from eval.figures.statistics import Interval
 from eval.rows.outcomes import EARLY_S
 from jawenv.base.errors import InputError
-from jawenv.playing.policies.card import Result, ResultsFile
+from jawenv.playing.policies.card import Result
 
 DECIMALS = 3
 
 
-def card_results(results: Results, entry: str) -> ResultsFile:
+def card_results(results: Results, entry: str) -> tuple[Result, ...]:
     """Worst sd after 10 s and at the end (medians), true information, discomfort and NEES (means), with intervals.
 
     Args:
@@ -35,18 +36,30 @@ def card_results(results: Results, entry: str) -> ResultsFile:
         "seeds": (int(patients["seed"].min()), int(patients["seed"].max())),
         "level": statistics.CONFIDENCE,
     }
-    return ResultsFile(
-        results=tuple(
-            Result(
-                metric=metric,
-                low=round(interval.low, DECIMALS),
-                high=round(interval.high, DECIMALS),
-                **{kind: round(interval.value, DECIMALS)},
-                **common,
-            )
-            for metric, kind, interval in _figures(results, entry)
+    return tuple(
+        Result(
+            metric=metric,
+            low=round(interval.low, DECIMALS),
+            high=round(interval.high, DECIMALS),
+            **{kind: round(interval.value, DECIMALS)},
+            **common,
         )
+        for metric, kind, interval in _figures(results, entry)
     )
+
+
+def results_of_run(folder: Path, run: Path) -> tuple[Result, ...]:
+    """The figures of a training run in a finished comparison.
+
+    Args:
+        folder: of the comparison.
+        run: folder of the run, one of its entries.
+    """
+    results = load(folder)
+    places = {Path(each["spec"]).resolve(): each["label"] for each in results.about["entries"] if each.get("trained")}
+    if run.resolve() not in places:
+        raise InputError(f"{run}: not in this comparison; allowed: {', '.join(map(str, places)) or 'none'}")
+    return card_results(results, places[run.resolve()])
 
 
 def _figures(results: Results, entry: str) -> Iterator[tuple[str, str, Interval]]:

@@ -37,10 +37,6 @@ left = {F_o_N = 2.0, F_o_sd = 0.5, b = 7.0, b_sd = 0.3}
 right = {F_o_N = 0.3, F_o_sd = 0.5, b = 7.0, b_sd = 0.3}
 """
 EVALUATIONS = "steps,return,worst_sd\n" + "".join(f"{1000 * k},{0.5 * k},{0.2 / (k + 1):.6g}\n" for k in range(30))
-RESULTS = """results:
-- {cohort: trismus, patients: 64, seeds: [500, 563], metric: worst sd in %, median: 2.3, low: 2.1, high: 2.6}
-- {cohort: trismus, patients: 64, seeds: [500, 563], metric: NEES, mean: 12.1, low: 11.0, high: 13.2, level: 0.9}
-"""
 
 
 def patient() -> str:

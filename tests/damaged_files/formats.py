@@ -20,10 +20,9 @@ from eval.patient.courses import load as load_treatment
 from eval.studies.design import read as read_study
 from eval.studies.design import shipped as shipped_studies
 from jawenv import Anatomy, Cohort, Device, Patient
-from jawenv.base.files import read_model
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
-from jawenv.playing.policies.card import SHIPPED, ResultsFile, read_card
+from jawenv.playing.policies.card import SHIPPED, read_card
 from jawenv.reality.options import Reality
 from jawenv.recordings.files import load_record
 from jawenv.recordings.mapping import read_columns
@@ -156,7 +155,6 @@ FORMATS = (
     _copied("study", shipped_studies()["ladder"], lambda path: read_study(str(path))),
     _copied("training configuration", CONFIGS / "ppo.yaml", TrainingConfig.load),
     _text("evaluations", "evaluations.csv", contents.EVALUATIONS, lambda path: read_evaluations(path.parent)),
-    _text("results for a card", "a.yaml", contents.RESULTS, lambda path: read_model(path, ResultsFile)),
     Format("card", "card.json", _shipped_policy, lambda folder: repr(read_card(folder))),
     Format("policy", *_WEIGHTS, has_checksums=True),
     Format("weights with their hash", *_WEIGHTS, put=_with_hash),

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from markdown import markdown
 
-from jawenv.playing.policies.card import SHIPPED, ModelCard, policy_names, read_card
+from jawenv.playing.policies.card import SHIPPED, ModelCard, Result, policy_names, read_card
 from tests.plain_policies import write_corrector
 from training.cli import main
 from training.run.config import TrainingConfig
@@ -34,13 +34,21 @@ def refused(capsys: pytest.CaptureFixture[str], run: Path, output: Path, *more: 
     return error
 
 
-ROW = "cohort: trismus, patients: 64, seeds: [500, 563], metric: 'true information, nats', low: 44.4, high: 46.5"
+ROW = {
+    "cohort": "trismus",
+    "patients": 64,
+    "seeds": (500, 563),
+    "metric": "nats",
+    "low": 44.4,
+    "high": 46.5,
+    "mean": 45.5,
+}
 
 
 def test_it_is_the_runs_policy_with_what_it_reached(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["training", "export", "a run"])
-    (tmp_path / "good.yaml").write_text(f"results:\n- {{{ROW}, mean: 45.5}}\n")
-    assert export(run, tmp_path / "shared", "--licence", "CC-BY-4.0", "--results", tmp_path / "good.yaml") == 0
+    monkeypatch.setattr("eval.comparison.card_results.results_of_run", lambda folder, path: (Result(**ROW),))
+    assert export(run, tmp_path / "shared", "--licence", "CC-BY-4.0", "--results", tmp_path) == 0
     kept, card = read_card(run), read_card(tmp_path / "shared")
     assert (tmp_path / "shared" / "policy.safetensors").read_bytes() == (run / "policy.safetensors").read_bytes()
     (result,) = card.results
@@ -54,8 +62,7 @@ def test_it_is_the_runs_policy_with_what_it_reached(run: Path, tmp_path: Path, m
 def test_damaged_results_and_a_run_without_a_policy_are_refused(
     run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "bad.yaml").write_text(f"results:\n- {{{ROW}}}\n")
-    assert "bad.yaml: results.0" in refused(capsys, run, tmp_path / "none", "--results", tmp_path / "bad.yaml")
+    assert "nowhere" in refused(capsys, run, tmp_path / "none", "--results", tmp_path / "nowhere")
     (run / "card.json").unlink()
     assert "card.json" in refused(capsys, run, tmp_path / "none")
     (run / "config.yaml").unlink()

@@ -17,7 +17,7 @@ import jawenv
 from agents.evaluations import FILE as EVALUATIONS
 from agents.evaluations import read_evaluations
 from jawenv.base.errors import InputError, reason_of
-from jawenv.base.files import read_mapping, read_model, write_text
+from jawenv.base.files import read_mapping, write_text
 from jawenv.base.locks import alone
 from jawenv.base.reading import read_text
 from jawenv.playing.policies.card import (
@@ -28,7 +28,6 @@ from jawenv.playing.policies.card import (
     Environment,
     ModelCard,
     Result,
-    ResultsFile,
     read_card,
 )
 from jawenv.playing.policies.plain import read_weights, write_policy
@@ -99,7 +98,7 @@ def export(
     run: RunFolder,
     output: Path,
     *,
-    results: Path | None = None,
+    results: tuple[Result, ...] = (),
     licence: str = "MIT",
     command: str = "",
     overwrite: bool = False,
@@ -109,7 +108,7 @@ def export(
     Args:
         run: the run.
         output: the new folder.
-        results: file with the figures of the policy, as a list under ``results``.
+        results: figures of the policy.
         licence: under which the weights are given.
         command: how the user asked for it.
         overwrite: replace an exported policy in the folder.
@@ -124,10 +123,14 @@ def export(
         )
     card_of_run = read_card(run.path)
     weights = read_weights(run.path, card_of_run)
-    reached = () if results is None else read_model(results, ResultsFile).results
     evaluated = read_text(run.evaluations) if read_evaluations(run.path) else None
     today = datetime.now(UTC).date()
-    changes = {"results": reached, "licence": licence, "date": today, "commands": (*card_of_run.commands, command)}
+    changes = {
+        "results": results,
+        "licence": licence,
+        "date": today,
+        "commands": (*card_of_run.commands, command),
+    }
     card = ModelCard(**(dict(card_of_run) | changes))
     with alone(output):
         _check_free(output, overwrite)

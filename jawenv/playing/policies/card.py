@@ -144,12 +144,6 @@ class ModelCard(InputModel):
         return self
 
 
-class ResultsFile(InputModel):
-    """A file of results for a card."""
-
-    results: tuple[Result, ...]
-
-
 SHIPPED = Path(__file__).parent / "shipped"
 """Folder of the policies that come with the project."""
 

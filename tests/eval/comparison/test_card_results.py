@@ -3,18 +3,15 @@
 import numpy as np
 import pytest
 
-from eval.commands.app import main
 from eval.comparison import results
-from eval.comparison.card_results import card_results
+from eval.comparison.card_results import card_results, results_of_run
 from jawenv.base.errors import InputError
-from jawenv.base.files import read_model
-from jawenv.playing.policies.card import ResultsFile
 from tests.eval.studies import GOOD, TRAINED, study
 
 
 def test_figures_are_those_of_the_entry() -> None:
     made = study()
-    reached = {result.metric: result for result in card_results(made, GOOD).results}
+    reached = {result.metric: result for result in card_results(made, GOOD)}
     rows = made.of(GOOD)
     assert set(reached) == {
         "largest of 12 sds after 10 s, %",
@@ -33,22 +30,16 @@ def test_figures_are_those_of_the_entry() -> None:
 def test_an_episode_of_ten_seconds_is_told_once() -> None:
     made = study()
     made.about["settings"]["episode_s"] = 10.0
-    told = [result.metric for result in card_results(made, GOOD).results]
+    told = [result.metric for result in card_results(made, GOOD)]
     assert len(set(told)) == len(told) == 4
 
 
-def test_the_command_writes_what_an_export_reads(tmp_path, capsys) -> None:
-    results.save(study(), tmp_path)
-    output = tmp_path / "reached.json"
-    assert main(["card", str(tmp_path), TRAINED, "--output", str(output)]) == 0
-    assert read_model(output, ResultsFile) == card_results(results.load(tmp_path), TRAINED)
-    printed = capsys.readouterr().out
-    assert "NEES after 20 s, 12 if calibrated: mean 1" in printed and f"written: {output}" in printed
-
-
-def test_what_cannot_be_told_is_named(tmp_path, capsys) -> None:
-    results.save(study(), tmp_path)
-    assert main(["card", str(tmp_path), "nobody"]) == 2
-    assert "entry 'nobody': not in this comparison; allowed: good_one" in capsys.readouterr().err
+def test_a_run_is_found_by_its_folder(tmp_path) -> None:
+    made, run = study(), tmp_path / "runs" / "agent"
+    entries = [each | ({"spec": str(run)} if each["label"] == TRAINED else {}) for each in made.about["entries"]]
+    results.save(type(made)(made.patients, made.curves, made.about | {"entries": entries}), tmp_path)
+    assert results_of_run(tmp_path, run) == card_results(results.load(tmp_path), TRAINED)
+    with pytest.raises(InputError, match="other: not in this comparison; allowed: "):
+        results_of_run(tmp_path, tmp_path / "other")
     with pytest.raises(InputError):
         card_results(study(1), GOOD)
