@@ -19,6 +19,8 @@ from jawenv.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
 
+_SLOWER = 1.2  # rows from one reading of the load cell to the next, from which on its readings are on lines
+
 
 def written(record: Record, column: Column) -> Array:
     """A column of T + 1 numbers; what belongs to a tick stands in the row in which the tick begins."""
@@ -96,7 +98,8 @@ def line_variance(table: RecordTable, cell_sd: Array) -> Array:
     for k, column in enumerate(READINGS):
         values = _column(table, column)
         read = np.flatnonzero(~np.isnan(values))
-        if len(read) < 3 or (ticks := float(np.median(np.diff(read)))) < 2.0:
+        steps = np.diff(read)
+        if len(read) < 3 or (ticks := float(steps[steps <= 2.0 * np.median(steps)].mean())) < _SLOWER:
             continue
         bent = np.diff(values[read], 2) / np.sqrt(120.0)  # root mean square of a parabola about its chord
         variance[k] = ticks * (2.0 * cell_sd[k] ** 2 + np.mean(bent**2))

@@ -8,6 +8,7 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.base.errors import InputError
+from jawenv.commands.app import main
 from jawenv.recordings.columns import READINGS
 from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.files import load_record
@@ -105,3 +106,46 @@ def test_what_resampling_cannot_mend_does_not_name_it(tmp_path, gap):
     rows = [[f"{k / 100 + gap * (k > 4):.2f}", "-37", *["0.1"] * 6] for k in range(9)]
     with pytest.raises(InputError, match="one take: cut the file before this row"):
         load_record(table(tmp_path, rows))
+
+
+def spoilt(values, rng):
+    """A table of numbers (T, n), whose first column is the time, with one to three faults."""
+    values = values.copy()
+    for kind in rng.integers(10, size=int(rng.integers(1, 4))):
+        column, start = int(rng.integers(1, values.shape[1])), int(rng.integers(len(values) - 2))
+        part, size = values[start : start + int(rng.integers(2, 300))], 10.0 ** rng.uniform(-2.0, 2.0)
+        if kind == 0:
+            values[start:, column] += size
+        elif kind == 1:
+            values[:, column] += size * np.linspace(0.0, 1.0, len(values))
+        elif kind == 2:
+            part[:, rng.random(values.shape[1]) < 0.5] = np.nan
+            values[:, 0] = np.linspace(0.0, values[0, 0] + 0.01 * (len(values) - 1), len(values))
+        elif kind == 3:
+            values[:, column] *= rng.choice([-1.0, 0.0, 10.0, 1e3])
+        elif kind == 4:
+            part[:, column] = part[0, column]
+        elif kind == 5:
+            values[:, column] = np.round(values[:, column] / size) * size
+        elif kind == 6:
+            values[:, 1:] += 0.1 * size * rng.standard_normal(values[:, 1:].shape)
+        elif kind == 7:
+            part[:, column] = rng.choice([0.0, 1e5, -9999.0, 1e30])
+        elif kind == 8:
+            values[:, column] = np.roll(values[:, column], int(rng.integers(-50, 50)))
+        else:
+            part[:, 1:] = part[::-1, 1:].copy()
+    return values
+
+
+def test_no_spoilt_recording_ends_in_a_traceback(tmp_path, capsys):
+    lab_file(played().until(4.0), 100, 100, tmp_path / "lab.csv")
+    names, *lines = (line.split(",") for line in (tmp_path / "lab.csv").read_text(encoding="utf-8").splitlines())
+    values = np.array(lines, dtype=np.float64)
+    for seed in range(10):
+        changed = spoilt(values, np.random.default_rng([7, seed]))
+        rows = [["" if np.isnan(value) else f"{value:.9g}" for value in row] for row in changed]
+        (tmp_path / "lab.csv").write_text("\n".join(map(",".join, [names, *rows])) + "\n", encoding="utf-8")
+        code = main(["identify", str(tmp_path / "lab.csv"), "--json", str(tmp_path / "answer.json")])
+        assert code in (0, 2, 3), seed
+        assert code == 2 or "nan" not in capsys.readouterr().out, seed

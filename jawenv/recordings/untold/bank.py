@@ -14,6 +14,7 @@ import numpy as np
 
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.untold.blocks import Blocks
+from jawenv.recordings.untold.definite import factor
 from jawenv.recordings.untold.law import bends, tensions
 
 _SCANS = (0.0, 1.0)
@@ -59,7 +60,7 @@ class Mixture:
         draws = np.random.default_rng(0).standard_normal((_DRAWS, len(self.best)))
         by_log = tensions(blocks.basis, self.best[None])[1][0]
         precision = by_log.T @ self.information @ by_log + np.diag(1.0 / blocks.prior_sd**2)
-        away = np.linalg.solve(np.linalg.cholesky(precision).T, draws.T).T
+        away = np.linalg.solve(factor(precision).T, draws.T).T
         height, top = (self._height(blocks, theta) for theta in (self.best + away, self.best[None]))
         return float(np.median((top - height) / (0.5 * np.sum(draws**2, axis=1))))
 
@@ -136,12 +137,12 @@ def _without(inner: Array, shared: Array, left: Array, right: Array) -> tuple[Ar
         left: (..., c, c) information about the others.
         right: (..., c) its score.
     """
-    factor = np.linalg.cholesky(0.5 * (inner + np.swapaxes(inner, 1, 2)) + np.eye(inner.shape[1]))
-    whitened = np.linalg.solve(factor, shared)
+    root = factor(0.5 * (inner + np.swapaxes(inner, 1, 2)) + np.eye(inner.shape[1]))
+    whitened = np.linalg.solve(root, shared)
     rows, column = whitened[:, :, :-1], whitened[:, :, -1]
     information = left - np.swapaxes(rows, 1, 2) @ rows
     score = right - np.einsum("nkc,nk->nc", rows, column)
-    evidence = 0.5 * np.sum(column**2, axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
+    evidence = 0.5 * np.sum(column**2, axis=1) - np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
     return 0.5 * (information + np.swapaxes(information, 1, 2)), score, evidence
 
 

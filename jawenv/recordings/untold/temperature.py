@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.untold.blocks import BLOCK_S, Blocks
+from jawenv.recordings.untold.definite import factor
 from jawenv.recordings.untold.law import bends, tensions
 
 _TENTHS = 10
@@ -55,7 +56,7 @@ def disagreement(blocks: Blocks, joint: _Joint, groups: NDArray[np.intp], temper
         pulled.append(joint.directions.T @ left[chosen].sum(axis=0) / temperature)
     whole = np.sum(told, axis=0) + np.eye(len(told[0]))
     last = np.roll(np.arange(len(whole)), -parameters)  # the parameters, so that their factor is of their own precision
-    root = np.linalg.cholesky(whole[np.ix_(last, last)])[-parameters:, -parameters:].T
+    root = factor(whole[np.ix_(last, last)])[-parameters:, -parameters:].T
     squares, degrees = np.zeros(len(told)), np.zeros(len(told))
     eye = np.eye(len(whole))[:, :parameters]
     for k, (inside, score) in enumerate(zip(told, pulled, strict=True)):

@@ -15,6 +15,7 @@ from jawenv.recordings.identification import identified
 from jawenv.recordings.untold import bank, law
 from jawenv.recordings.untold import blocks as parts
 from jawenv.recordings.untold.blocks import N_OF_DRIFT, N_OF_WRENCH, Blocks, blocks_of
+from jawenv.recordings.untold.definite import factor
 from jawenv.recordings.untold.learnt import identified_with_errors, learnt, learnt_beliefs
 from jawenv.recordings.untold.temperature import excess, joint_of
 from research.untold import Sines
@@ -154,6 +155,24 @@ def test_parts_that_agree_have_no_excess_and_parts_that_do_not_have_one(blocks, 
     assert excess(one, joint(one), 1.0) < 1.0
     pushed = replace(one, score=one.score + 5.0 * (one.score - one.score.mean(axis=0)))
     assert excess(pushed, joint(pushed), 1.0) > 3.0
+
+
+def test_what_rounding_left_indefinite_is_factored_and_a_contradiction_is_a_doubt(rng, monkeypatch):
+    rows = rng.normal(size=(2, 5, 3)) * np.array([1.0, 1e4, 1e8])
+    singular = rows @ np.swapaxes(rows, 1, 2) - 1e-15 * np.eye(5)
+    with pytest.raises(np.linalg.LinAlgError):
+        np.linalg.cholesky(singular)
+    root = factor(singular)
+    np.testing.assert_allclose(root @ np.swapaxes(root, 1, 2), singular, rtol=1e-6, atol=1e-6 * np.abs(singular).max())
+    with pytest.raises(np.linalg.LinAlgError):
+        factor(np.full((2, 2), np.nan))
+
+    def fails(*arguments):
+        raise np.linalg.LinAlgError
+
+    monkeypatch.setattr("jawenv.recordings.untold.learnt.learnt", fails)
+    found, last_belief = identified_with_errors(played().records[0])
+    assert last_belief is None and "the readings contradict each other" in found.doubts[0]
 
 
 def test_an_offset_of_the_load_cell_is_learnt_and_nothing_where_there_is_none():
