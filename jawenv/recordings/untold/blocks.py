@@ -41,7 +41,7 @@ N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
 _STRETCHES = 3  # of a recording, over each of which the load cell's zero may drift by a number of its own
 N_OF_DRIFT = _STRETCHES * _N_CONSTANT
-_LINEAR = 2.5  # prior sds of an unknown from its nominal value within which the motion is linearised
+_LINEAR = 1.2  # prior sds of an unknown from its nominal value within which the motion is linearised
 
 
 @dataclass(frozen=True, eq=False)
