@@ -137,9 +137,7 @@ def _import_command(
         Path,
         typer.Argument(metavar="FILE", help="Tracker's .c3d, .trc, .mot, .sto, .h5 or _motion.tsv, or a recording."),
     ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="A recording (.csv), .mot, .sto or _motion.tsv.", metavar="FILE")
-    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="A recording (.csv), .mot or .sto.", metavar="FILE")],
     forces: Annotated[
         Path | None, typer.Option(help="Load cell's .csv, .mot or .sto, of a clock of its own.", metavar="FILE")
     ] = None,

@@ -5,10 +5,8 @@ https://bids-specification.readthedocs.io/en/stable/modality-specific-files/moti
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
 from collections.abc import Mapping
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -16,23 +14,22 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from jawenv.base.errors import InputError, shown
-from jawenv.base.files import atomic_write, read_mapping
+from jawenv.base.files import read_mapping
 from jawenv.recordings.dialects import decoded, number
 from jawenv.recordings.mapping import factor
-from jawenv.recordings.table import DIGITS, LARGEST_RECORDING
+from jawenv.recordings.table import LARGEST_RECORDING
 from jawenv.trackers.bids_frames import Frame, read_frames
 from jawenv.trackers.tracks import Array, Tracks, is_rate, millimetres, numbers
 
 MOTION = "_motion.tsv"
 HEADER = ("name", "component", "type", "tracked_point", "units")
 AXES, QUATERNION = ("x", "y", "z"), ("quat_w", "quat_x", "quat_y", "quat_z")
-WRENCH = tuple(f"{kind}_{axis}" for kind in ("force", "moment") for axis in AXES)
 BODY = "jaw"
 Channel = dict[str, str]
 
 
 def read_bids_motion(path: Path, unit: str | None) -> Tracks:
-    """Read positions (POS) and orientations (ORNT) of all tracked points, and wrenches as this module writes them.
+    """Read positions (POS) and orientations (ORNT) of all tracked points.
 
     Times are those of a LATENCY channel, or else of the effective, or else the nominal rate.
     """
@@ -51,15 +48,14 @@ def read_bids_motion(path: Path, unit: str | None) -> Tracks:
     stands: dict[str, str] = {}
     for channel, values in zip(channels, table.T, strict=True):
         point, kind, where = channel["tracked_point"], channel["type"].upper(), f"{path}: {shown(channel['name'])}"
-        if kind not in ("POS", "ORNT", "MISC"):
+        if kind not in ("POS", "ORNT"):
             continue
-        component = channel["component"].lower() if kind != "MISC" else channel["name"].removeprefix(f"{point}_")
+        component = channel["component"].lower()
         if component in groups[kind, point]:
             raise InputError(f"{where}: {component} of {shown(point)} stands there twice; allowed: once")
         groups[kind, point][component] = _scale(channel, unit, where) * _heard(channel, values)
-        if kind != "MISC" and stands.setdefault(point, channel.get("reference_frame", "")) != channel.get(
-            "reference_frame", ""
-        ):
+        frame = channel.get("reference_frame", "")
+        if stands.setdefault(point, frame) != frame:
             raise InputError(f"{where}: reference_frame is another than before; allowed: one for each tracked point")
     places = {point: _stacked(group, AXES, path) for (kind, point), group in groups.items() if kind == "POS"}
     used = {point: frames.of(stands[point]) for point in stands}
@@ -68,10 +64,8 @@ def read_bids_motion(path: Path, unit: str | None) -> Tracks:
         for (kind, point), group in groups.items()
         if kind == "ORNT" and point in places
     }
-    loads = {point: group for (kind, point), group in groups.items() if kind == "MISC" and set(group) & set(WRENCH)}
-    wrenches = {point: _stacked(group, WRENCH, path) for point, group in loads.items()}
-    axes = {point: frame.axes for point, frame in used.items() if frame.axes is not None}
-    return Tracks(str(path), time, places, rotations, wrenches, axes=axes, frames=stands)
+    axes = {point: each.axes for point, each in used.items() if each.axes is not None}
+    return Tracks(str(path), time, places, rotations, axes=axes, frames=stands)
 
 
 def _companion(path: Path, ending: str) -> Path:
@@ -128,16 +122,11 @@ def _heard(channel: Channel, values: Array) -> Array:
 
 
 def _scale(channel: Channel, unit: str | None, where: str) -> float:
-    """The factor to mm, or to degrees of an Euler angle, or of a wrench to N and N m."""
+    """The factor to mm, or to degrees of an Euler angle."""
     kind, component = channel["type"].upper(), channel["component"].lower()
     if kind == "POS":
         return millimetres(unit or _stated(channel["units"]), where)
-    if kind == "ORNT" and component in AXES:
-        return factor("pitch_deg", channel["units"], where)
-    name = next((name for name in WRENCH if channel["name"].endswith(name)), None)
-    if kind != "MISC" or name is None or _stated(channel["units"]) is None:
-        return 1.0
-    return factor(f"{name}_N" if name.startswith("force") else f"{name}_N_m", channel["units"], where)
+    return factor("pitch_deg", channel["units"], where) if component in AXES else 1.0
 
 
 def _stacked(group: Mapping[str, Array], components: tuple[str, ...], path: Path) -> Array:
@@ -167,40 +156,6 @@ def matrices(quaternions: Array) -> Array:
     unit = quaternions[seen] / largest[seen]  # squares of others may be too large or too small
     result[seen] = Rotation.from_quat(unit, scalar_first=True).as_matrix()
     return result
-
-
-def write_bids_motion(tracks: Tracks, path: Path) -> None:
-    """Write the body ``jaw`` and its wrench, whose axes are forward, left and up, with the three files beside."""
-    turned = tracks.rotations[BODY]
-    quaternions = np.full((len(turned), 4), np.nan)
-    seen = np.isfinite(turned).all(axis=(1, 2))
-    quaternions[seen] = Rotation.from_matrix(turned[seen]).as_quat(scalar_first=True)
-    since = tracks.time - tracks.time[0]
-    channels = [("latency", "n/a", "LATENCY", "n/a", "s", "n/a")]
-    channels += [(f"{BODY}_{axis}", axis, "POS", BODY, "mm", "head") for axis in AXES]
-    channels += [(f"{BODY}_{part}", part, "ORNT", BODY, "n/a", "head") for part in QUATERNION]
-    columns = [since, tracks.places[BODY], quaternions]
-    if BODY in tracks.wrenches:
-        units = ["N"] * 3 + ["N m"] * 3
-        channels += [
-            (f"{BODY}_{part}", "n/a", "MISC", BODY, each, "n/a") for part, each in zip(WRENCH, units, strict=True)
-        ]
-        columns.append(tracks.wrenches[BODY])
-    table = np.column_stack(columns)
-    rows = ["\t".join("n/a" if np.isnan(value) else f"{value:.{DIGITS}g}" for value in row) for row in table]
-    names = ["\t".join(channel) for channel in ((*HEADER, "reference_frame"), *channels)]
-    frame = {"SpatialAxes": "ALS", "RotationRule": "right-hand", "Description": "from midway between the condyles"}
-    rate = round(float((len(since) - 1) / since[-1]), DIGITS)
-    about = {"TaskName": "jaw", "SamplingFrequency": rate, "TrackedPointsCount": 1}
-    texts = {
-        path: "\n".join([*rows, ""]),
-        _companion(path, "_channels.tsv"): "\n".join([*names, ""]),
-        _companion(path, "_channels.json"): json.dumps({"reference_frame": {"Levels": {"head": frame}}}),
-        path.with_suffix(".json"): json.dumps(about),
-    }
-    with ExitStack() as files:  # all are written before the first takes its place
-        for target, text in texts.items():
-            files.enter_context(atomic_write(target)).write_text(text, encoding="utf-8")
 
 
 def parts_of(path: Path) -> list[Path]:

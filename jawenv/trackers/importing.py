@@ -18,7 +18,7 @@ from jawenv.recordings.files import load_record
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.resampling import resampled
 from jawenv.recordings.table import FORMATS, RecordTable, write_table
-from jawenv.trackers.bids_motion import MOTION, parts_of, read_bids_motion, write_bids_motion
+from jawenv.trackers.bids_motion import MOTION, parts_of, read_bids_motion
 from jawenv.trackers.c3d import read_c3d
 from jawenv.trackers.forces import at_mouthpiece, only_wrench, with_analog_forces, with_force_file
 from jawenv.trackers.jaw_tracking_system import read_jaw_tracking_system
@@ -50,7 +50,6 @@ READERS: dict[str, Callable[[Path, str | None], Tracks]] = {
 WRITERS: dict[str, Callable[[Tracks, Path], None]] = {
     ".mot": write_opensim,
     ".sto": write_opensim,
-    ".tsv": write_bids_motion,
 }
 
 
@@ -70,11 +69,11 @@ class ImportSettings:
 
 
 def import_file(path: Path, output: Path, settings: ImportSettings) -> list[str]:
-    """Make a recording of a tracker's file, or write it as MOT, STO or BIDS-Motion.
+    """Make a recording of a tracker's file, or write it as MOT or STO.
 
     Args:
         path: .c3d, .trc, .mot, .sto, .h5, .hdf5, _motion.tsv, or a recording (.csv, .parquet).
-        output: .csv or .parquet for a recording, .mot, .sto or _motion.tsv.
+        output: .csv or .parquet for a recording, .mot or .sto.
         settings: how it is read.
 
     Returns:
@@ -84,10 +83,10 @@ def import_file(path: Path, output: Path, settings: ImportSettings) -> list[str]
         InputError: what cannot be read, registered, joined or written, or is no jaw's.
         MissingPackageError: h5py or ezc3d is not installed.
     """
-    if output.suffix not in (*FORMATS, *WRITERS) or (output.suffix == ".tsv" and not output.name.endswith(MOTION)):
-        raise InputError(f"{output}: the ending is {output.suffix!r}; allowed: .csv, .parquet, .mot, .sto, {MOTION}")
-    for target in _parts(output):
-        check_kept(target, [*_parts(path), settings.forces, settings.landmarks, settings.columns])
+    if output.suffix not in (*FORMATS, *WRITERS):
+        raise InputError(f"{output}: the ending is {output.suffix!r}; allowed: {', '.join((*FORMATS, *WRITERS))}")
+    read = parts_of(path) if path.name.endswith(MOTION) else [path]
+    check_kept(output, [*read, settings.forces, settings.landmarks, settings.columns])
     if settings.resample_hz is not None and {path.suffix, output.suffix}.isdisjoint(FORMATS):
         raise InputError(f"--resample is given with {output}; allowed: from or to a recording, {' or '.join(FORMATS)}")
     with open_file(path):
@@ -105,10 +104,6 @@ def import_file(path: Path, output: Path, settings: ImportSettings) -> list[str]
     table = _judged(tracks, settings.resample_hz)
     write_table(output, table.columns, {})
     return [*lines, f"{output}: {len(table.lines):,} rows"]
-
-
-def _parts(path: Path) -> list[Path]:
-    return parts_of(path) if path.name.endswith(MOTION) else [path]
 
 
 def _of_recording(path: Path, settings: ImportSettings) -> tuple[Tracks, list[str]]:

@@ -61,14 +61,6 @@ def test_an_output_is_no_input(tmp_path, link):
     assert output.read_bytes() == before
 
 
-def test_nor_a_companion_of_one(tmp_path):
-    path = files.write_bids(tmp_path / "a_motion.tsv", files.jaw())
-    before = {part: part.read_bytes() for part in tmp_path.iterdir()}
-    with pytest.raises(InputError, match="an output that is no input"):
-        import_file(path, path, ImportSettings(landmarks=files.write_landmarks(tmp_path / "l.toml")))
-    assert all(part.read_bytes() == content for part, content in before.items())
-
-
 def test_the_options_that_messages_name_are_there(tmp_path, capsys):
     """--resample and --columns, for a recording with times and names of its own."""
     record = opening().records[0]
