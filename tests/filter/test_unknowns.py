@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jawenv.anatomy import cohort
-from jawenv.anatomy.knowledge import IMAGED, Knowledge
+from jawenv.anatomy import COHORTS, cohort
+from jawenv.anatomy.knowledge import BENCH, IMAGED, Knowledge
 from jawenv.filter.nuisances.directions import directions
 from jawenv.filter.nuisances.unknowns import cell_turn_of, changed_jaw, draw_unknowns, no_unknowns, offset_of, turn_of
 from jawenv.mechanics import build_jaw
@@ -104,3 +104,9 @@ def test_a_wrench_of_no_muscle_hides_by_shapes_of_the_pose_and_moves_no_other_dr
             np.testing.assert_array_equal(plain, drawn[0][name])
     assert len(directions(known, MUSCLES, build_jaw(), MEAN)) == 30
     assert not np.any(offset_of(IMAGED, drawn[0])[6:])
+
+
+def test_a_bench_has_the_same_columns_whatever_the_cohort():
+    """One compiled filter serves every cohort that ``identify`` tries."""
+    found = {len(directions(BENCH, one.muscles, build_jaw(), one.typical)) for one in COHORTS.values()}
+    assert len(found) == 1

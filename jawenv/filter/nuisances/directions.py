@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from jawenv.anatomy.cohorts import cohort
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
 from jawenv.device.device import N_MOTORS
@@ -40,11 +41,13 @@ def directions(
         knowledge: the sds of anatomy, body and mounting.
         muscles: the jaw's.
         jaw: the filter's model.
-        log_parameters: (p,) of a typical patient.
+        log_parameters: (p,) of a typical patient, who is one of ``anyone`` where a wrench is unknown.
         motor_sds: (5,) those of each motor's force, or None where a load cell reads it.
         lasting: whether the disturbance has memory: then mass and centre of mass are there once more (``AGAIN``).
     """
     lines, found = len(muscles.muscle), list[Values]()
+    if knowledge.wrench_N > 0.0:  # of a recording: any cohort's prior may be tried, by the same compiled filter
+        log_parameters = cohort("anyone", muscles).typical
 
     def one(name: str, *index: int) -> Values:
         values = no_unknowns(lines)
