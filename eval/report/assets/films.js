@@ -16,10 +16,12 @@
     const shown = [...group.querySelectorAll("video")];
     const others = (film) => shown.filter((other) => other !== film);
     const play = (film) => film.play().catch(() => {});
-    let begun = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    let begun = reduced;
     for (const film of shown) {
       if (film.dataset.entry) film.src = address(film.dataset.entry);
-      if (begun) film.addEventListener("loadeddata", () => { film.currentTime = STILL_S; }, { once: true });
+      const still = () => { if (begun === reduced) film.currentTime = STILL_S; }; // not played yet: no grey, on paper too
+      film.addEventListener("loadeddata", still, { once: true });
       film.addEventListener("play", () => others(film).forEach(play));
       film.addEventListener("pause", () => { if (!film.ended) others(film).forEach((other) => other.pause()); });
       film.addEventListener("ratechange", () => others(film).forEach((other) => { other.playbackRate = film.playbackRate; }));
@@ -29,7 +31,7 @@
     }
     new IntersectionObserver(([seen]) => {
       if (!seen.isIntersecting) shown.forEach((film) => film.pause());
-      else if (!begun) { begun = true; shown.forEach(play); }
+      else if (!begun) { begun = true; shown.forEach((film) => { film.currentTime = 0; play(film); }); }
     }).observe(group);
   }
 
