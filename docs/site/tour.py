@@ -24,7 +24,6 @@ from jawenv.live.server import serving  # noqa: E402
 from jawenv.live.session import DriveSession  # noqa: E402
 from jawenv.live.setup import Setup  # noqa: E402
 from jawenv.metrics.precision import for_good  # noqa: E402
-from jawenv.metrics.standing import standing  # noqa: E402
 from jawenv.rendering import palette  # noqa: E402
 from jawenv.rendering.scene import Scene  # noqa: E402
 
@@ -117,19 +116,18 @@ def drives_html(seconds: float, layout: str) -> tuple[str, dict[str, str]]:
         server.initial_camera.position = tuple(CAMERA)
         server.initial_camera.look_at = tuple(LOOK_AT)
         server.initial_camera.fov = float(np.radians(angle_deg))
-        recorded, stands, settled = server.get_scene_serializer(), [], []
+        recorded, stands = server.get_scene_serializer(), []
         for _ in range(round(seconds * setup.world.steps_per_s / EVERY)):
             moments = [[session.drive() for _ in range(EVERY)][-1] for session, _, _ in shown]
             scenes = [moment.scene for moment in moments]
             for scene, (_, jaw, bars) in zip(scenes, shown, strict=True):
                 jaw.show(scene)
                 bars.show(scene)
-            stands.append([standing(scene.belief_mean, scene.belief_cov, scene.prior_sd).all() for scene in scenes])
-            settled.append([moment.settled for moment in moments])
+            stands.append([moment.stands.all() for moment in moments])
             recorded.insert_sleep(EVERY / setup.world.steps_per_s)
         html = _as_the_reader_prefers(str(recorded.as_html()), seconds)
     times = np.arange(1, len(stands) + 1) * EVERY / setup.world.steps_per_s
-    clocks = map(clock, for_good(np.array(stands).T, times, np.array(settled).T))
+    clocks = map(clock, for_good(np.array(stands).T, times))
     return html, dict(zip(DRIVERS, clocks, strict=True))
 
 

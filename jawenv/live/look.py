@@ -26,6 +26,8 @@ p > label { color: var(--live-soft); }
 .mantine-Button-label, .mantine-Tabs-tabLabel { color: var(--live-accent); }
 .mantine-Button-root:not([data-variant=outline]) { background: var(--live-accent) !important; }
 .mantine-Button-root:not([data-variant=outline]) .mantine-Button-label { color: var(--live-card); }
+.mantine-Notification-description { display: none; }  /* a hint of viser's, which would cover the jaw */
+.mantine-Notification-root { padding: 2px 12px; }
 #strip { display: none; }
 @media (max-width: 36em) { #strip { display: flex; } }
 @media (max-width: 62em) { #posterior th, #score th { white-space: normal !important; } }

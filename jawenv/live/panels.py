@@ -11,7 +11,6 @@ from jawenv.live.session import Shown
 from jawenv.live.stiffness import stiff_from_N
 from jawenv.metrics.calibration import alarm_word
 from jawenv.metrics.diagnosis import whole_muscles_per_line
-from jawenv.metrics.standing import standing
 from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
 
@@ -137,11 +136,9 @@ def status_html(shown: Shown, remark: str = "") -> str:
 
 def _verdicts(shown: Shown) -> str:
     """Number of the muscles on which the data have a verdict; empty where lines are no whole muscles."""
-    scene = shown.scene
-    if whole_muscles_per_line(scene.parameter_names) != 1.0:
+    if whole_muscles_per_line(shown.scene.parameter_names) != 1.0:
         return ""
-    stands = shown.settled & standing(scene.belief_mean, scene.belief_cov, scene.prior_sd)
-    return f"{stands.sum()} of {len(stands)} verdicts stand"
+    return f"{shown.stands.sum()} of {len(shown.stands)} verdicts stand"
 
 
 def ghost_html(shown: Shown) -> str:

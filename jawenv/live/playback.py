@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.session import Shown
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import rotation
 from jawenv.metrics.precision import time_to
+from jawenv.metrics.standing import standing
 from jawenv.playing.agents import Array
 from jawenv.recordings.record import Record
 from jawenv.recordings.record_filter import TensionFilter
@@ -51,7 +53,10 @@ class Playback:
         reached = DriveOutcome(self._name, (ten, five), float(sds[-1].max()), 0.0, time, False)
         last = index == len(self) - 1
         why = "the recording is over" if last else ""
-        return Shown(self._scene(index), np.zeros(4), self._name, reached, 0.0, True, (), last, why)
+        return Shown(self._scene(index), np.zeros(4), self._name, reached, 0.0, self._stands(index), (), last, why)
+
+    def _stands(self, index: int) -> NDArray[np.bool_]:
+        return standing(self._estimate.mean[index], self._estimate.cov[index], self._record.prior.sd)
 
     def _scene(self, index: int) -> Scene:
         record, tick = self._record, index * self._every

@@ -9,6 +9,7 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from numpy.typing import NDArray
 
 import jawenv.envs.registration  # noqa: F401  (the ids)
 from jawenv.base.errors import InputError, not_among, reason_of
@@ -21,6 +22,7 @@ from jawenv.live.drive_file import maneuver_of_drive
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
+from jawenv.metrics.standing import standing
 from jawenv.playing.agents import Agent, Array, introduce
 from jawenv.playing.maneuvers import Maneuver, maneuver_names
 from jawenv.playing.maneuvers.written import save_maneuver
@@ -44,7 +46,7 @@ class Shown:
     driver: str  # who drove: ``you``, or the name of a maneuver
     outcome: DriveOutcome  # what has been reached so far
     misfit: float  # the filter's alarm, above 1 where nothing that it could believe explains the readings
-    settled: bool  # whether the belief may be acted on
+    stands: NDArray[np.bool_]  # (M,) on which muscles the data had a verdict, by the last settled belief
     spent_on: tuple[str, ...]  # comfort limits that cost a tenth or more of the discomfort so far, the dearest first
     ended: bool  # whether the episode is over
     why: str  # why it ended; empty while it goes on
@@ -87,7 +89,7 @@ class DriveSession:
         self._costs_s = np.zeros(len(COMFORT_LIMITS))
         self._violated, self._ended, self._why = False, False, ""
         self._drivers: set[str] = set()
-        self._misfit, self._settled = 0.0, False
+        self._misfit, self._stands = 0.0, np.zeros(len(info["belief_mean"]) // 2, dtype=np.bool_)
         return self.shown()
 
     def hand_over(self, name: str) -> None:
@@ -150,7 +152,9 @@ class DriveSession:
         self._discomfort_s += info["cost"] / self.setup.world.steps_per_s
         self._costs_s += self._env.simulation.worlds["truth"]["costs"][0] / self.setup.world.steps_per_s
         self._violated |= bool(info["violation"])
-        self._misfit, self._settled = float(info["misfit"]), bool(info["settled"])
+        self._misfit = float(info["misfit"])
+        if info["settled"]:
+            self._stands = standing(info["belief_mean"], info["belief_cov"], self._env.prior.sd)
         self._drivers.add(self.driver)
         self._ended = bool(terminated or truncated)
         if terminated:
@@ -167,7 +171,7 @@ class DriveSession:
             self.driver,
             self.outcome(),
             self._misfit,
-            self._settled,
+            self._stands,
             self._spent_on(),
             self._ended,
             self._why,

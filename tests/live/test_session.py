@@ -179,3 +179,14 @@ def test_an_outcome_within_comfort_is_one_that_is_ranked():
     assert good.line() == "you: all within 10 % 2.0 s, within 5 % never, worst sd 6.0 %, discomfort 0.05 s"
     assert not DriveOutcome("you", (2.0, 3.0), 0.06, 0.2, 30.0, False).within_comfort
     assert not DriveOutcome("you", (2.0, 3.0), 0.06, 0.0, 30.0, True).within_comfort
+
+
+def test_verdicts_are_those_of_the_last_settled_belief():
+    session = DriveSession(Setup.of(seed=500, episode_s=4.0, cohort="one_sided"))
+    session.hand_over("refined")
+    counts, steps = [], []
+    while not session.ended:
+        counts.append(int(session.drive().stands.sum()))
+        steps.append(session.outcome().time_to_s[1])
+    assert counts[0] == 0 and counts[-1] == 6 and min(counts[counts.index(6) :]) >= 5
+    assert np.isinf(steps[0]) and np.isfinite(steps[-1])
