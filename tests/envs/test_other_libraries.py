@@ -50,8 +50,8 @@ def test_infos_are_flat_and_hold_pythons_numbers_and_arrays(arguments):
         kinds = {value.dtype for key, value in arrays.items() if key != "episode_key"}
         assert all(value.ndim > 0 for value in arrays.values()) and kinds == {np.dtype(np.float64)}
         scalars = {key: value for key, value in info.items() if key not in arrays}
-        assert {key for key, value in scalars.items() if type(value) is not float} == {"violation"}
-        assert type(scalars["violation"]) is bool
+        assert {key for key, value in scalars.items() if type(value) is not float} == {"violation", "settled"}
+        assert type(scalars["violation"]) is type(scalars["settled"]) is bool
         assert json.loads(json.dumps(scalars)) == scalars
     assert env.get_wrapper_attr("parameter_names") == jawenv.PARAMETER_NAMES
 
