@@ -65,7 +65,7 @@ def drawn_seeds(task: str, number: int, key: str) -> tuple[int, ...]:
 
 
 def fitting_agents(specs: Sequence[str], tasks: Sequence[Task]) -> list[str]:
-    """Those that fit one of the tasks."""
+    """Agents that fit one of the tasks."""
     return [spec for spec in specs if any(can_play(spec, task.settings().world) for task in tasks)]
 
 

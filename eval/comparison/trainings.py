@@ -45,7 +45,7 @@ DIFFERENCES: Mapping[str, _Difference] = MappingProxyType(
         "discomfort_s": _Difference("discomfort, s", False, 3),
     }
 )
-"""Of figures of the catalogue, by their names."""
+"""Differences of figures of the catalogue, by their names."""
 
 
 @dataclass(frozen=True)

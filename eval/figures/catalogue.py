@@ -25,7 +25,7 @@ Better = Literal["higher", "lower"]
 PER_S = 30.0
 """Discomfort is judged per so many seconds, the usual length of an episode."""
 ADMITTED_S = 0.1
-"""Of discomfort in ``PER_S``, unless said otherwise."""
+"""Admitted discomfort in ``PER_S``, unless said otherwise."""
 DIFFERENCE = "difference"
 """Name of the figure that `gained` makes."""
 SIGMAS = {1: 0.6827, 2: 0.9545, 3: 0.9973}

@@ -72,7 +72,7 @@ class Entry:
 
     label: str  # unique within the study
     spec: str
-    """As typed: a maneuver's name, a file, the folder of a run or an exported policy, or an agent of one's own."""
+    """Text as typed: a maneuver's name, a file, the folder of a run or an exported policy, or an agent of one's own."""
     world: Configuration  # environment and arguments
     note: str  # in which settings it differs from those asked for; empty if in none
     trained: bool  # whether it comes from a training run

@@ -35,7 +35,7 @@ class Part:
     first: int  # number of the first item
     number: int  # of items
     files: tuple[tuple[str, Path], ...]
-    """Of each kind of result, by its name; one may be made without the others. Their names change with everything
+    """Files of each kind of result, by its name; one may be made without the others. Their names change with everything
     that could change their content.
     """
 

@@ -87,7 +87,7 @@ class KnownPatient(Cohort):
 
     @property
     def typical(self) -> NDArray[np.float64]:
-        """Those of the cohort, so that the filter has as many numbers to integrate out whatever is believed."""
+        """Typical parameters of the cohort: the filter integrates out as many numbers whatever is believed."""
         typical: NDArray[np.float64] = self.__dict__["_typical"]
         return typical
 

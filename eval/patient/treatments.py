@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 LARGEST_DRIFT = 0.5
 REDRAWS = 50
-"""Of a step of the drift, where it would make a patient whom the device cannot treat."""
+"""Draws of a step of the drift, where it would make a patient whom the device cannot treat."""
 
 
 @dataclass(frozen=True)

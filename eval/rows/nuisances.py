@@ -33,7 +33,7 @@ GROUPS = (
     "damping",
     "wrench of no muscle",
 )
-"""Of nuisances, in the order of tables."""
+"""Groups of nuisances, in the order of tables."""
 ERROR, LEFT = "nuisance_z2", "nuisance_left"
 """Columns of a group, ``<one of these>/<group>``: mean of (error / sd) squared, and of the sd in prior sds."""
 

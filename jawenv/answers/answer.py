@@ -40,7 +40,7 @@ class Answer:
     each: tuple[Identification, ...]
     """The identification of each recording by itself."""
     whole: Identification
-    """That of all together; of one recording the same."""
+    """Identification of all together; of one recording the same."""
     learnt: Learnt | None
     """The belief with learnt sizes of errors, of one recording."""
     agreement: Agreement | None

@@ -30,7 +30,7 @@ LEAST_WORK_SHARE = -0.2
 """Work of the device on an opening jaw over its magnitude: a passive jaw gives back what it has stored, and no more."""
 SMOOTHING_S, FEWEST_ROWS = 0.1, 20
 SHORTEST_S, LEAST_MM = 1.0, 1.5
-"""Of a recording that can be judged: its length, and how far the mouthpiece moves."""
+"""Least length of a recording that can be judged, and least travel of its mouthpiece."""
 MOVES_MM, TURNS = 5.0, 0.2
 """A mouthpiece that moves so far up and down turns by at least this share of a hinge's angle; radians are a 57th."""
 MOST = 99.0

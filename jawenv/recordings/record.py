@@ -54,7 +54,7 @@ class Record:
     disturbance_sd: Array = field(default_factory=lambda: np.zeros(N_WRENCH))  # (6,) its sd where it has memory
     force_sensor: ForceSensor = "cell"  # how the device knows its force: what ``samples`` are of
     device: Device | None = None
-    """That measured it, None if unknown; read only where no load cell reads the force, for its sds."""
+    """The device, None if unknown; read only where no load cell reads the force, for its sds."""
     control: Control = "force"  # of its motors, "force", "trajectory" or "targets"; no estimator reads it
     truth: Array | None = None  # (p,) the patient's natural-log parameters; None if unknown. For evaluation only
     states: Array | None = None  # (T + 1, n) true motion; None if unknown. For evaluation only

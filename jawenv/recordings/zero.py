@@ -9,10 +9,10 @@ from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
 
 NEAR_MM = 3.0
-"""From the closed jaw's place: the teeth are together."""
+"""Distance from the closed jaw's place within which the teeth are together."""
 UNSEEN_DRIFT = "end as you began, teeth together, the device slack and still"
 LARGEST_CHANGE_N = 0.5
-"""Of the zero: slow movements with 1 N have NEES/12 of 2.6 to 4."""
+"""Change of the zero from which nothing is believed: slow movements with 1 N have NEES/12 of 2.6 to 4."""
 _END_S, _STILL_MM = 0.5, 0.1
 """Length of an end, and how far its halves and the two ends may lie apart."""
 

@@ -16,7 +16,7 @@ from jawenv.recordings.record import Record
 _ROWS, _OFF_M = 10, 3e-3
 """Rows of a recording's beginning and end; distance from rest from which the jaw is led back."""
 _PER_S = (0.5, 1.0)
-"""Of opening and side, shares of the patient's comfort; targets may change by 0.9 and 3."""
+"""Rates of opening and side, shares of the patient's comfort; targets may change by 0.9 and 3."""
 _STEP_S = 0.2
 
 

@@ -25,7 +25,7 @@ BLOCK = 512
 KEY = 80
 """Second byte of every C3D file."""
 WORDS = 4
-"""Of a point: three coordinates and its residual, which is negative where the point was lost."""
+"""Words of a point: three coordinates and its residual, which is negative where the point was lost."""
 COUNTED = 65_535
 """Frames that a header can count; longer files hold as many as there are."""
 

@@ -17,9 +17,9 @@ import numpy as np
 
 PARTS = ("translations", "rotations")
 SECONDS = 10
-"""Of computing."""
+"""Limit of computing time."""
 BYTES = 2**32
-"""Of address space."""
+"""Limit of address space."""
 MOST_GROUPS = 100
 
 

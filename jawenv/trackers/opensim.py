@@ -22,7 +22,7 @@ from jawenv.recordings.table import DIGITS, LARGEST_RECORDING
 from jawenv.trackers.tracks import Array, Tracks, listed, millimetres, numbers, whole
 
 AXES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-"""From OpenSim's axes to forward, left and up."""
+"""Rotation from OpenSim's axes to forward, left and up."""
 PLACE, ANGLES = ("_tx", "_ty", "_tz"), ("_rz", "_ry", "_rx")
 BODY_PLACE, BODY_ANGLES = ("_X", "_Y", "_Z"), ("_Ox", "_Oy", "_Oz")
 """Columns of BodyKinematics."""

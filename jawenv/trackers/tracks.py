@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 SLOWEST, FASTEST = 1e-3, 1e6
 """Hz, of frames."""
 LARGEST_MM = 1e9
-"""Of a place: farther away no tracker sees."""
+"""Farthest place: no tracker sees beyond."""
 LONGEST_LIST = 400
 """Characters of names in a message."""
 

@@ -21,7 +21,7 @@ from training.run.config import ComfortConfig, TrainingConfig
 from training.run.folder import RunFolder
 
 LARGEST_EXCESS = 2.0
-"""Of discomfort over target, less 1, that counts in one update of its price."""
+"""Largest discomfort over target, less 1, that counts in one update of its price."""
 
 
 class Interrupt:

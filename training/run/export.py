@@ -36,7 +36,7 @@ from training.run.folder import RunFolder
 
 README = "README.md"
 NO_LICENCE = "none yet"
-"""Of a policy that was not exported."""
+"""Licence of a policy that was not exported."""
 _LICENCES = {
     "MIT",
     "Apache-2.0",
@@ -50,7 +50,7 @@ _LICENCES = {
     "LGPL-3.0",
     "MPL-2.0",
 }
-"""Those that the Hub knows by these names, in small letters."""
+"""Licences that the Hub knows by these names, in small letters."""
 _TAGS = ["reinforcement-learning", "gymnasium", "system-identification", "biomechanics", "simulation"]
 _TASK = "reinforcement-learning"
 

@@ -15,7 +15,7 @@ from jawenv.recordings.record import Record
 from jawenv.recordings.zero import LARGEST_CHANGE_N, NEAR_MM, UNSEEN_DRIFT, below_closed, change_of_zero
 
 _FIRST_S, _SHORT_S = 60.0, 5.0
-"""Of a recording that is looked at, and of it for each frame that is tried."""
+"""Length of a recording that is examined, and of its part for each frame that is tried."""
 _WINDOW_S, _SLOWEST, _FASTEST = 0.2, 0.9, 1.1
 """Way over the way by the velocities, in windows of so many seconds."""
 _START_S, _LARGEST_ZERO_N = 0.02, 0.7

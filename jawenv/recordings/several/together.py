@@ -112,7 +112,7 @@ class _Several(Blocks):
 
     @classmethod
     def of(cls, parts: Sequence[Blocks]) -> _Several:
-        """Those of recordings whose motion is linearised about the same muscles."""
+        """Join the blocks of recordings whose motion is linearised about the same muscles."""
         first, places, count = parts[0], list[NDArray[np.intp]](), parts[0].tensions + int(parts[0].own.sum())
         for part in parts:
             session = int((~part.own).sum())

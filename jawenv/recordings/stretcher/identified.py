@@ -17,9 +17,9 @@ from jawenv.recordings.stretcher.statics import Statics
 Array = NDArray[np.float64]
 
 DRAWS, PRIOR_DRAWS = 160, 5
-"""Of the posterior, and of the prior for each of them."""
+"""Number of the posterior's draws, and of the prior's for each of them."""
 LEAST_SHARE = 0.9
-"""Of the draws that come to their minimum: more fail where the condyle runs over the crest."""
+"""Least share of draws that come to their minimum: more fail where the condyle runs over the crest."""
 RARE, FAR_SDS = 1e-3, 3.5
 """Chance that an honest log fits worse; sds by which a draw may fit worse than draws do on average."""
 OFF_TEETH_MM = 1.0

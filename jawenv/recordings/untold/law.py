@@ -10,7 +10,7 @@ from jawenv.recordings.estimate import Array
 from jawenv.recordings.untold.blocks import Blocks
 
 STRAINS = np.linspace(-0.02, 0.22, 15)
-"""Of muscles between closed and wide open."""
+"""Strains of muscles between closed and wide open."""
 _BENDS = 2
 """Curvatures of each muscle's law."""
 
