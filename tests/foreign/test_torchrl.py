@@ -3,7 +3,7 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from foreign.library import ids_and_controls, library, recipe
+from foreign.library import ids_and_controls, library
 
 import jawenv  # noqa: F401 - registers the environments
 
@@ -47,14 +47,3 @@ def test_next_step_autoreset_is_refused():
     """TorchRL takes no vector environment that begins anew in the step after the end (next_step)"""
     with pytest.raises(RuntimeError, match="must be one of SAME_STEP or DISABLED"):
         envs.GymWrapper(gym.make_vec("jawenv/Jaw-v3", num_envs=2))
-
-
-@pytest.mark.filterwarnings("ignore")  # of Ray
-def test_recipe():
-    """`RayCollector` of two processes, each with the native vector form"""
-    ray = pytest.importorskip("ray")
-    try:
-        rewards = recipe("torchrl")["rewards"]
-    finally:
-        ray.shutdown()
-    assert len(rewards) == 2 and np.isfinite(rewards).all()
