@@ -5,7 +5,7 @@ import pytest
 from eval.commands.app import main
 from eval.comparison import results
 from jawenv.base.locks import alone
-from tests.eval.studies import GOOD, study
+from tests.eval.studies import study
 
 SHORT = ["--episode-s", "1", "--seed", "5000"]
 
@@ -34,11 +34,8 @@ def test_courses_of_a_patient_in_use_are_refused(tmp_path, capsys):
 
 
 def test_a_comparison_at_work_is_not_reported_on(tmp_path, capsys):
-    folder, card = tmp_path / "compare", tmp_path / "results.json"
+    folder = tmp_path / "compare"
     results.save(study(patients=3), folder)
     with alone(folder):
         assert main(["report", str(folder)]) == 2
     assert "compare: in use by another process" in capsys.readouterr().err
-    with alone(card):
-        assert main(["card", str(folder), GOOD, "--output", str(card)]) == 2
-    assert "results.json: in use by another process" in capsys.readouterr().err
