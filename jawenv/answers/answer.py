@@ -72,12 +72,12 @@ class Answer:
     @property
     def believed(self) -> bool:
         """Whether nothing speaks against the estimates."""
-        return self.whole.believable and (self.agreement is None or self.agreement.one_patient)
+        return self.whole.believable and self.agree
 
     @property
     def doubts(self) -> list[str]:
         """Why the estimates are not to be believed; empty where they are."""
-        return [*self.whole.doubts, *([] if self.believed or self.agree else [self._disagreement()])]
+        return [*self.whole.doubts, *([] if self.agree else [self._disagreement()])]
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
