@@ -212,7 +212,7 @@ iframe {{ width: 100%; border: 1px solid light-dark(#e2ded5, #3d4147); border-ra
 small {{ color: light-dark(#5b636e, #a9b0b8); }}
 </style></head><body><main>
 <h1>How stiff is each jaw muscle, and how soon is that known?</h1>
-<p>Three seconds of the right movement tell as much as half a minute of slow opening. (In simulation.)</p>
+<p>Four seconds of the right movement tell as much as half a minute of slow opening. (In simulation.)</p>
 <p>One patient, three movements. Below each jaw a bar fills as a muscle becomes known: masseter (M), temporalis (T) and
 medial pterygoid (MP), left (L) and right (R). The lines are error bars of 5 % and 1 %. Muscles turn from clay to blue.
 Drag to orbit; the slider moves the time, with marks at 3 and 10 s.</p>
