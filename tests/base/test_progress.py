@@ -60,22 +60,3 @@ def test_what_an_earlier_run_has_done_says_nothing_about_the_speed(clock: Clock)
         clock.now += 2.0
         progress.advance_to(done)
     assert progress.describe() == "1:40 left"
-
-
-def test_compiling_says_nothing_about_the_speed(clock: Clock) -> None:
-    progress = Progress(150, "steps", Console(quiet=True))
-    clock.now += 60.0
-    progress.advance_to(1)
-    assert progress.describe() == ""
-    for done in range(2, 52):
-        clock.now += 1.0
-        progress.advance_to(done)
-    assert progress.describe() == "1:39 left"
-
-
-def test_a_note_goes_when_it_is_empty(clock: Clock) -> None:
-    progress = Progress(100, "draws", Console(quiet=True))
-    progress.advance_to(0.0, "rates")
-    assert progress.describe() == "rates"
-    progress.note("item", "")
-    assert progress.describe() == ""

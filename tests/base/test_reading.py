@@ -52,11 +52,6 @@ def test_texts_that_say_more_than_they_hold(tmp_path: Path, name: str, text: str
     assert message in refusal(tmp_path / name)
 
 
-def test_aliases_and_merges_of_a_sane_number_are_read(tmp_path: Path) -> None:
-    (tmp_path / "a.yaml").write_text("d: &d {a: 1}\ne: {<<: *d, b: 2}\nf: [*d, *d]")
-    assert read_mapping(tmp_path / "a.yaml") == {"d": {"a": 1}, "e": {"a": 1, "b": 2}, "f": [{"a": 1}, {"a": 1}]}
-
-
 def test_pipes_and_devices_are_no_files(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.yaml")
     assert refusal(tmp_path / "pipe.yaml") == "is a pipe; allowed: a regular file"

@@ -94,12 +94,6 @@ def test_a_jaw_at_the_teeth_teaches_nothing(tmp_path, capsys):
     assert found["verdicts"]["masseter_left"]["probability"] is None
 
 
-def test_an_answer_is_no_input(tmp_path, capsys):
-    path = without_labels(played("severe", "hold_still", 3.0), tmp_path / "still.csv")
-    assert main(["identify", str(path), "--json", str(path)]) == 2
-    assert path.exists() and "still.csv" in capsys.readouterr().err
-
-
 def test_page_and_answer_are_two_files(tmp_path, capsys):
     path, answer = without_labels(played("severe"), tmp_path / "bench.csv"), tmp_path / "answer.html"
     assert main(["identify", str(path), "--json", str(answer), "--page", str(tmp_path / "." / "answer.html")]) == 2

@@ -135,12 +135,6 @@ def test_identify_prints_estimate_sd_and_truth(tmp_path, capsys, knowledge):
     assert sum(line.startswith(("F_o/", "b/")) and len(line.split()) == 5 for line in lines) == 12
 
 
-def test_lives_help_says_whom_the_page_opens_with(capsys):
-    assert main(["live", "--help"]) == 0
-    said = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    assert f"[default: {OPENS_WITH['cohort']}]" in said
-
-
 def commands():
     """Every command of the three command lines, by its words."""
     for name, line in (("eval", eval.commands.app.commands()), ("training", training.cli.app), ("jawenv", app)):
@@ -229,23 +223,15 @@ def interrupt(page):
     [
         (["list", "birds"], "list is 'birds'; allowed: maneuvers, agents, cohorts, models"),
         (["score", "nope"], "agent is 'nope'; allowed: chirp"),
-        (["score", "refined", "--env", "bird"], "env is 'bird'; allowed: jawenv/JawHinge-v3"),
         (["score", "refined", "--env", "jaw2"], "env is 'jaw2'; did you mean jaw"),
         (["score", "refined", "--device", "cell_force=0.2"], "did you mean cell_force_N"),
         (["score", "refined", "--knowledge", "scan"], "imaged: from a scan"),
         (["identify", "nowhere.csv"], "nowhere.csv"),
         (["identify", "README.md", "--knowledge", "vague"], "README.md"),
-        (["live", "nowhere.csv"], "nowhere.csv"),
         (["live", "--seed", "-1"], "seed is -1; allowed"),
         (["live", "--port", "70000"], "port is 70000; allowed"),
         (["live", "--port", "0", "--driver", "nope"], "driver is 'nope'; allowed: you, apg_anyone"),
-        (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
         (["score", "refined", "--set", "comfort=nowhere.toml"], "nowhere.toml: no such file"),
-        (
-            ["score", "refined", "--set", "force_sensor=spring"],
-            "force_sensor is 'spring'; allowed: cell, motors, straps",
-        ),
-        (["live", "--set", "anatomy=nowhere.toml"], "nowhere.toml: no such file"),
         (["fly"], "No such command"),
     ],
 )
@@ -261,11 +247,6 @@ def test_a_missing_extra_is_one_line_and_exit_2():
     environment = {"DISPLAY": ":0", "PATH": "/usr/bin:/bin", "HOME": "/tmp"}
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=120)
     assert ran.returncode == 2 and 'pip install "jawenv[live]"' in ran.stderr and ran.stderr.count("\n") == 1
-
-
-def test_what_is_misspelt_is_named_with_its_neighbour(capsys):
-    assert main(["score", "chrip"]) == 2
-    assert "did you mean chirp?" in capsys.readouterr().err
 
 
 def test_a_word_where_a_number_has_to_be_is_refused_plainly(capsys):

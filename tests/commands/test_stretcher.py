@@ -61,8 +61,3 @@ def test_a_recording_has_no_earlier_log(tmp_path, capsys):
     path.write_text("time_s,pitch_deg,force_x_N\n0,0,0\n0.01,0,0\n", encoding="utf-8")
     assert main(["identify", str(path), "--before", str(path)]) == 2
     assert "before" in capsys.readouterr().err
-
-
-def test_the_log_is_not_written_over(log, capsys):
-    assert main(["identify", str(log), "--json", str(log)]) == 2
-    assert "is read as" in capsys.readouterr().err

@@ -31,30 +31,9 @@ def test_every_room_has_its_place_and_imports_only_from_before_it(sources) -> No
     ]
 
 
-def test_nothing_in_the_loop_imports_what_studies_it(sources) -> None:
-    loop = [
-        module for module in sources.module_files() if sources.room_of(module).removeprefix("jawenv.") in sources.LOOP
-    ]
-    study = {f"jawenv.{name}" for name in sources.STUDY}
-    assert len(loop) > 100
-    for module in loop:
-        above = {other for other in sources.imports_of(module) if sources.room_of(other) in study}
-        assert not above, f"{module} imports {above}"
-
-
 def test_modules_do_not_import_in_a_circle(sources) -> None:
     graph = {module: sources.imports_of(module) for module in sources.module_files()}
     assert len(tuple(TopologicalSorter(graph).static_order())) == len(graph)
-
-
-def test_imports_within_functions_count(sources, tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "late.py"
-    path.write_text(
-        "def f():\n    from jawenv.metrics import score, nees\n    import jawenv.device\n", encoding="utf-8"
-    )
-    monkeypatch.setattr(sources, "module_files", lambda: files)
-    files = {"jawenv.late": path, "jawenv.metrics": path, "jawenv.metrics.score": path, "jawenv.device": path}
-    assert sources.imports_of("jawenv.late") == {"jawenv.metrics", "jawenv.metrics.score", "jawenv.device"}
 
 
 def test_folders_within_a_room_do_not_import_in_a_circle(sources) -> None:
