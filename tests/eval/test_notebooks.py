@@ -18,16 +18,6 @@ def test_a_notebook_and_its_script_say_the_same_and_hold_no_output(path):
     assert not any(cell.get("outputs") for cell in notebook.cells)
 
 
-def test_there_are_notebooks():
-    assert NOTEBOOKS
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_begins_with_few_imports(path):
-    code = [cell.source for cell in jupytext.read(path).cells if cell.cell_type == "code"]
-    assert len(re.findall(r"^(?:import|from) ", code[0], re.M)) <= 5
-
-
 @pytest.mark.parametrize("number", ["01", "02", "04"])
 def test_a_notebook_that_does_not_train_needs_the_wheel_alone(number):
     (path,) = (path for path in NOTEBOOKS if path.stem.startswith(number))

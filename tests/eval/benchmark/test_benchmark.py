@@ -1,7 +1,6 @@
 """The command: what it writes, what it keeps, and what it refuses."""
 
 import re
-import shutil
 from dataclasses import replace
 from functools import partial
 
@@ -61,23 +60,6 @@ def test_drawn_patients_stand_beside_the_public_ones_with_an_interval_of_two_sam
     assert difference(public, public[:1]).known is False and difference(np.ones(3), np.ones(2)).low == 0.0
 
 
-def test_only_what_is_missing_is_played(tmp_path, plays, capsys):
-    again = partial(play, tmp_path, "--key", "k")
-    assert again("slow_opening", "chirp") == 0 and plays.names == ["slow_opening"] * 2 + ["chirp"] * 2
-    assert again("chirp", "prbs", "slow_opening") == 0 and plays.names[4:] == ["prbs"] * 2
-    assert "8 of 12 episodes kept from an earlier run" in capsys.readouterr().out
-    assert again("chirp", "--fresh") == 0 and plays.names[6:] == ["chirp"] * 2
-
-
-def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
-    again, plays.fail_at = partial(play, tmp_path, "--key", "k"), 1
-    assert again("slow_opening", "chirp") == 130
-    assert "the same command goes on from there" in capsys.readouterr().err
-    assert not (tmp_path / PAGE).exists()
-    plays.fail_at = None
-    assert again("slow_opening", "chirp") == 0 and plays.names == ["slow_opening"] * 2 + ["chirp"] * 2
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -126,13 +108,6 @@ def test_who_is_left_out_of_a_task_is_one_line():
     tasks = tasks_named(["hinge-exact", "jaw-exact"])
     cells = cells_of(["slow_opening", "clairvoyant"], tasks)
     assert list(left_out(cells, tasks)) == ["clairvoyant is for other environments than: hinge-exact"]
-
-
-def test_agents_of_one_name_are_told_apart(tmp_path):
-    other = shutil.copy(CIRCLES, tmp_path / "other.yaml")
-    cells = cells_of([CIRCLES, other], tasks_named(["hinge-exact", "jaw-exact"]))
-    names = [f"opening_with_circles ({spec})" for spec in (CIRCLES, other)]
-    assert [cell.levels["agent"] for cell in cells][::4] == names
 
 
 def test_patients_are_played_in_parts_of_fifty_so_that_a_part_can_be_checked(tmp_path):

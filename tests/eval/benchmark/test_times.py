@@ -8,7 +8,6 @@ import pytest
 from eval.benchmark.tasks import TASKS
 from eval.kept.entries import load_entry
 from eval.rows.times import Times, _within_for_good, restricted
-from jawenv.base.errors import InputError
 from tests.metrics.linear_gaussian import linear_gaussian
 
 
@@ -74,8 +73,3 @@ def test_above_the_limit_of_comfort_nothing_is_found():
     assert (free["score_s"] == 0.0).all()
     assert (limited["score_s"] == 10.0).all() and np.isinf(limited["within_0.2_s"]).all()
     assert (free["worst_sd"] == limited["worst_sd"]).all()
-
-
-def test_a_share_above_zero_is_wanted(recording):
-    with pytest.raises(InputError):
-        _within_for_good(recording, 0.0)

@@ -1,15 +1,13 @@
 """Entries against their own replays."""
 
-import io
 import re
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from eval.comparison.ranking import rank
 from eval.comparison.trainings import adaptations, verdict
-from eval.report import page, table
+from eval.report import page
 from eval.report.learned import learned
 from tests.eval.studies import GOOD, IDLE, TRAINED, study
 
@@ -23,10 +21,6 @@ def paired():
     return made
 
 
-def test_a_study_without_replays_has_nothing_to_say():
-    assert adaptations(study(4)) == ()
-
-
 def test_the_difference_is_paired_and_of_logs(paired):
     found = {each.name: each for each in adaptations(paired)}
     assert {entry: each.against for entry, each in found.items()} == {TRAINED: GOOD, GOOD: IDLE}
@@ -36,16 +30,6 @@ def test_the_difference_is_paired_and_of_logs(paired):
     assert verdict(found[TRAINED].figures["worst_sd"]) == "does worse"
     same = np.array(paired.of(GOOD)["early_worst_sd"])
     assert np.isfinite(same).all() and found[GOOD].figures["early_worst_sd"].value < 0.0
-
-
-def test_the_table_says_who_adapts(paired):
-    console = Console(file=io.StringIO(), width=120)
-    table.show_adaptations(adaptations(paired), console)
-    written = console.file.getvalue()
-    assert "good one" in written and "adapts" in written and "does worse" in written
-    empty = Console(file=io.StringIO(), width=120)
-    table.show_adaptations((), empty)
-    assert empty.file.getvalue() == ""
 
 
 def test_every_column_of_the_page_has_a_heading(paired, tmp_path):

@@ -1,5 +1,3 @@
-import json
-
 import numpy as np
 import pytest
 from rich.console import Console
@@ -54,7 +52,3 @@ def test_watching_changes_no_result(study):
     entry = load_entries(["slow_opening"], Settings.of(control="targets", episode_s=2.0).world)[0]
     plain = play(entry.agent, patients=2, seed=0, env_kwargs=entry.env_kwargs)
     assert study.of("slow_opening")["information_true"].to_numpy() == pytest.approx(plain.information_true[:, -1])
-
-
-def test_numbers_are_plain(study):
-    assert json.loads(json.dumps(study.motions)) == study.motions

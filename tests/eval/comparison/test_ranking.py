@@ -10,7 +10,6 @@ from eval.figures import words
 from eval.figures.catalogue import DIFFERENCE
 from eval.figures.statistics import Interval
 from eval.report import first, table
-from jawenv.base.errors import InputError
 from jawenv.metrics import nees_band
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, TRAINED, study
 
@@ -123,11 +122,6 @@ def test_the_band_allows_for_the_number_of_entries(ranking):
     assert ranking.band == nees_band(40, 12, 1.0 - 0.05 / 4)
 
 
-def test_claims_do_not_help(ranking):
-    claimed = {row.entry: row["information_claimed"].value for row in ranking.rows}
-    assert claimed[BOASTFUL] > claimed[TRAINED]
-
-
 def test_differences_are_paired(made, ranking):
     assert ranking.reference == ranking.rows[0].entry == GOOD
     assert DIFFERENCE not in ranking.rows[0].figures
@@ -140,11 +134,6 @@ def test_another_reference_turns_the_differences_round(made, ranking):
     turned = rank(made, TRAINED)
     before = next(row for row in ranking.rows if row.entry == TRAINED)
     assert turned.rows[0][DIFFERENCE].value == pytest.approx(-before[DIFFERENCE].value)
-
-
-def test_an_unknown_reference_is_named(made):
-    with pytest.raises(InputError):
-        rank(made, "nobody")
 
 
 def test_calibration_is_judged_by_the_band(ranking):

@@ -4,7 +4,6 @@ import pytest
 
 from eval.comparison import results
 from eval.rows.outcomes import EARLY_METRICS, outcomes_of
-from jawenv.base.errors import InputError
 from tests.eval.studies import BOASTFUL, GOOD, study
 from tests.metrics.linear_gaussian import linear_gaussian
 
@@ -42,11 +41,3 @@ def test_curves_end_where_the_patients_do(made):
     assert curves["time_s"].iloc[-1] == 20.0
     assert curves["centre"].iloc[-1] == pytest.approx(made.of(GOOD)["worst_sd"].median())
     assert (curves["low"] <= curves["high"]).all()
-
-
-def test_a_damaged_file_is_named(made, tmp_path):
-    results.save(made, tmp_path)
-    path = tmp_path / "patients.parquet"
-    path.write_bytes(path.read_bytes()[:200])
-    with pytest.raises(InputError):
-        results.load(tmp_path)

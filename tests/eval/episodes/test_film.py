@@ -37,19 +37,6 @@ def test_a_webp_moves_and_begins_where_asked(tmp_path):
     assert path.stat().st_size < 400_000
 
 
-def test_a_films_muscles_turn_blue(tmp_path):
-    path = tmp_path / "film.webp"
-    command = ["play", "refined", "--episode-s", "4", "--control", "targets", "--width", "480", "--every", "2"]
-    assert main([*command, "--video", str(path)]) == 0
-    with Image.open(path) as film:
-        blue = []
-        for number in (0, film.n_frames - 1):
-            film.seek(number)
-            picture = np.asarray(film.convert("RGB")).astype(int)
-            blue.append(int((np.abs(picture - knowledge(0.02)).max(axis=-1) < 30).sum()))
-    assert blue[1] > 3 * blue[0], blue  # the scale of colours is always there
-
-
 def test_two_are_filmed_beside_each_other(tmp_path, capsys):
     path = tmp_path / "film.webp"
     assert main(["play", "hold_still", "refined", *SHORT, "--video", str(path), "--width", "640"]) == 0
@@ -87,7 +74,6 @@ def test_pictures_name_maneuver_patient_and_control(tmp_path):
         (["--video", "film.webp", "--every", "0"], "every is 0; allowed"),
         (["--video", "film.webp", "--start-s", "7"], "start_s is 7; allowed"),
         (["--video", "film.webp", "--patient", "nobody.json"], "nobody.json"),
-        (["--video", "film.webp", "--cohort", "knees"], "knees"),
     ],
 )
 def test_what_cannot_be_filmed_is_named(tmp_path, monkeypatch, capsys, options, said):

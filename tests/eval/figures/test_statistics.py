@@ -70,16 +70,6 @@ def test_patients_who_all_agree_have_an_interval_without_width():
     assert statistics.mean(np.zeros(5)) == statistics.Interval(0.0, 0.0, 0.0)
 
 
-def test_a_paired_difference_is_sharper_than_two_means():
-    rng = np.random.default_rng(2)
-    patients = rng.normal(0.0, 10.0, 50)
-    one, other = patients + rng.normal(0.0, 0.1, 50), patients + 1.0 + rng.normal(0.0, 0.1, 50)
-    found = statistics.mean(other - one)
-    assert found.low > 0.9
-    assert found.high < 1.1
-    assert statistics.mean(other).low < statistics.mean(one).high
-
-
 def test_rmse_over_bound_of_errors_drawn_from_the_bound():
     rng = np.random.default_rng(3)
     bound = rng.uniform(0.1, 1.0, (300, 12))

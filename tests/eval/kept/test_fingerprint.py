@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from eval.commands.app import main
 from eval.kept import digest as kept
 from eval.kept.digest import fingerprint
 from eval.kept.entries import Settings, load_entries
@@ -60,22 +59,6 @@ def test_it_changes_with_every_package(package: str, monkeypatch: pytest.MonkeyP
     before, real = print_of("hold_still"), importlib.metadata.version
     monkeypatch.setattr(versions, "version", lambda name: "0.0" if name == package else real(name))
     assert print_of("hold_still") != before
-
-
-def test_a_changed_run_is_played_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
-    monkeypatch.setattr("eval.comparison.motion.play_patient", lambda study, *given, **more: study)
-    run = save_run(tmp_path / "run")
-    command = ["compare", str(run), "--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]
-    kept = []
-    for part in (None, None, *PARTS):
-        if part is not None:
-            PARTS[part](run)
-        assert main(command) == 0
-        kept.append("1 of 1 episodes kept from an earlier run" in capsys.readouterr().out)
-    assert kept == [False, True, False, False, False]
 
 
 @pytest.mark.parametrize(("changed", "decides"), [("filter/tick.py", True), ("live/page.py", False)])

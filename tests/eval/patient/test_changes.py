@@ -10,7 +10,7 @@ from eval.patient.belief import KnownPatient, at_start
 from eval.patient.changes import change, change_in_words
 from eval.patient.treatments import first_treatment, next_treatment, population_of
 from jawenv.analysis.joint_likelihood import JointLikelihood
-from jawenv.anatomy import Patient, Prior
+from jawenv.anatomy import Prior
 
 PAIRS, FIRST_SEED, DRIFT = 24, 990_000, 0.1  # seeds of no other use
 
@@ -92,14 +92,6 @@ def test_what_is_known_after_the_second_is_honest_and_surer(pairs):
 )
 def test_a_change_is_written_for_people(factor, text):
     assert change_in_words(*factor) == text
-
-
-def test_a_patients_anatomy_is_kept_in_its_file(tmp_path):
-    muscles = ["masseter_left", "temporalis_left", "medial_pterygoid_left"]
-    muscles += [name.replace("left", "right") for name in muscles]
-    patient = Patient(F_o_N=dict.fromkeys(muscles, 1.0), b=dict.fromkeys(muscles, 7.0), anatomy_seed=5)
-    patient.save(tmp_path / "patient.json")
-    assert Patient.load(tmp_path / "patient.json").anatomy_seed == 5
 
 
 def test_what_is_believed_does_not_change_how_many_numbers_are_integrated_out():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from eval.patient import pairs
 from eval.patient.treatments import Treatment
@@ -30,29 +31,11 @@ def test_a_recording_that_tells_all_apart_has_none():
 @pytest.mark.parametrize("correlation", [0.0, 0.9])
 def test_the_ellipse_holds_95_percent(correlation):
     """Drawn on axes that keep what they are given, it has the belief's reach."""
-    kept = {}
-
-    class Axes:
-        xaxis = yaxis = type(
-            "Axis",
-            (),
-            {
-                name: lambda *_: None
-                for name in ("set_major_locator", "set_major_formatter", "set_minor_locator", "set_minor_formatter")
-            },
-        )()
-
-        def fill(self, x, y, **_):
-            kept["outline"] = np.log([x, y])
-
-        def plot(self, *_, **__):
-            pass
-
-        set = plot
-
+    axes = Figure().subplots()
     mean, cov = np.zeros(2), 0.01 * np.array([[1.0, correlation], [correlation, 1.0]])
-    pairs._draw(Axes(), mean, cov)
+    pairs._draw(axes, mean, cov)
+    drawn = np.log(axes.patches[0].get_xy().T)
     draws = np.random.default_rng(0).multivariate_normal(mean, cov, 20_000)
     distance = np.einsum("ij,jk,ik->i", draws, np.linalg.inv(cov), draws)
-    outline = np.einsum("ji,jk,ki->i", kept["outline"], np.linalg.inv(cov), kept["outline"])
+    outline = np.einsum("ji,jk,ki->i", drawn, np.linalg.inv(cov), drawn)
     assert np.ptp(outline) < 1e-9 and np.mean(distance < outline[0]) == pytest.approx(0.95, abs=0.01)

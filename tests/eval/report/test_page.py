@@ -79,11 +79,6 @@ def data_of(page):
     return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page).group(1))
 
 
-def test_no_two_entries_look_alike(page):
-    looks = [(entry["colour"], entry["dash"]) for entry in data_of(page)["entries"]]
-    assert len(set(looks)) == len(looks) == len(ENTRIES)
-
-
 def test_charts_show_what_the_table_holds(made, page):
     ranking = rank(made)
     points = {trace["meta"]: trace for trace in data_of(page)["charts"]["nees"]["data"]}

@@ -103,28 +103,15 @@ def test_shipped_studies_are_of_all_that_they_are_about():
             {"entries": [{"agent": "chirp", "cohorts": ["wide"]}]},
             "entry 'chirp': cohorts wide; allowed: the study's, trismus",
         ),
-        ({"entries": ["nobody"]}, "agent is 'nobody'; allowed: chirp"),
-        (
-            {"entries": ["clairvoyant"], "controls": ["force"]},
-            "agent 'clairvoyant': control is 'force'; allowed: targets",
-        ),
-        ({"cohorts": ["knees"]}, "cohort is 'knees'; allowed: trismus"),
         (
             {"environments": [{"env": "Jaw", "controls": ["force"]}]},
             "environment 'Jaw': controls force; allowed: the study's, targets",
         ),
-        ({"environments": ["Knee"]}, "env is 'Knee'; allowed: jawenv/JawHinge-v3"),
         ({"controls": ["thought"]}, "controls.0 is 'thought'"),
         ({"control_hz": [33]}, "control_hz is 33; allowed: 20 divided by a whole number"),
         ({"control_hz": [float("nan")]}, "control_hz.0"),
-        (
-            {"reality": {"slow": {"creep": 1}}},
-            "reality.creep is not a field of Reality; did you mean creep_share?",
-        ),
         ({"reality": {"slow": {"creep_share": float("nan")}}}, "reality.slow.creep_share"),
         ({"patients": 0}, "patients is 0; allowed: greater than or equal to 1"),
-        ({"seed": 10**24}, "seed is 1000000000000000000000000; allowed: less than or equal to 4294967295"),
-        ({"episode_s": float("inf")}, "episode_s"),
         ({"metrics": ["speed"]}, "names 'speed'; allowed: information_true"),
         (
             {"pairs": [["chirp", "nobody"]]},
