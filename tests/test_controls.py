@@ -18,7 +18,6 @@ from eval.studies.design import Design as Study
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration
 from jawenv.playing.rollout import information_bound
-from training.run.config import CONFIGS, TrainingConfig
 
 SHORT = {"episode_s": 1.0, "track_bound": False}
 
@@ -39,12 +38,6 @@ def test_commands_have_the_same_default_or_none(app: typer.Typer) -> None:
     for command in typer.main.get_command(app).commands.values():  # type: ignore[attr-defined]
         found += [option.default for option in command.params if option.name == "control"]
     assert found and set(found) <= {DEFAULT_CONTROL, None}  # None leaves it to the configuration
-
-
-def test_configurations_of_trainings_say_their_control() -> None:
-    for path in CONFIGS.glob("*.yaml"):
-        wanted = "force" if path.stem == "plain_ppo" else "targets"
-        assert TrainingConfig.load(path).env.kwargs["control"] == wanted
 
 
 @pytest.mark.parametrize("control", list(CONTROLS))

@@ -105,12 +105,6 @@ def test_a_module_that_ends_the_program(tmp_path: Path, monkeypatch: pytest.Monk
         load_agent("leaving:Agent")
 
 
-def test_a_command_says_so() -> None:
-    shown = ran("-m", "eval", "compare", "sys:exit", "--patients", "2")
-    assert shown.returncode != 0
-    assert "agent 'sys:exit': cannot be made: SystemExit" in " ".join((shown.stdout + shown.stderr).split())
-
-
 @pytest.mark.parametrize("options", [1, "patient", ["patient"], np.ones(2)])
 def test_options_that_are_no_mapping(options: object) -> None:
     for env, names in (

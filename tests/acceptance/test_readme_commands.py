@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.project.documented import PAGES, ROOT, blocks
+from tests.project.documented import ROOT, blocks
 
 FEW = {"--patients": 2, "--steps": 1, "--n-envs": 2}
 """Options that say how many; a command that has one of them gets it, behind those that are printed."""
@@ -57,9 +57,3 @@ def test_every_line_of_readme_runs_in_the_shell_that_its_first_block_made(tmp_pa
     said = bash("\n".join([began, *(f"echo '$' {shlex.quote(line)} >&2\n{line}" for line in lines)]), tmp_path)
     assert said.returncode == 0, f"{said.stderr[-3000:]}\n{said.stdout[-1000:]}"
     assert (tmp_path / "runs" / "my_study" / "report.html").is_file()
-
-
-def test_pages_say_where_commands_are_once() -> None:
-    for page in PAGES:
-        lines = [line for line in page.read_text(encoding="utf-8").splitlines() if ".venv/bin/" in line]
-        assert len(lines) == (page == ROOT / "README.md"), f"{page}: {lines}"

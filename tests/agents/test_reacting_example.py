@@ -28,10 +28,6 @@ def test_sides_are_mirrored(parameter: int) -> None:
     assert np.abs(left).max() <= 1.0
 
 
-def test_exponents_want_a_wide_opening_and_forces_a_small_one() -> None:
-    assert first_action(1)[0] > first_action(0)[0]
-
-
 def test_it_holds_a_target_before_it_chooses_again() -> None:
     agent = LeastKnown()
     agent.reset(1)

@@ -18,14 +18,6 @@ def test_every_name_gives_an_agent_of_that_name(name: str) -> None:
     assert isinstance(agent, Excitation if name == "random" else Player)
 
 
-def test_unknown_name_lists_what_is_allowed() -> None:
-    with pytest.raises(InputError) as caught:
-        agents.load_agent("wiggle")
-    message = str(caught.value)
-    assert message.startswith("agent is 'wiggle'; allowed") and "\n" not in message
-    assert all(name in message for name in (*agents.names(), "random", ".yaml", "run folder", ".zip"))
-
-
 def test_a_file_that_is_no_checkpoint_and_a_folder_that_is_no_run_are_named(tmp_path: Path) -> None:
     (tmp_path / "weights.pt").write_bytes(b"weights")
     with pytest.raises(InputError):

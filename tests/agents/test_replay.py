@@ -45,14 +45,6 @@ def test_a_replay_is_the_mean_over_patients_and_the_same_for_all(tmp_path):
     assert np.ptp(actions, axis=0).max() == 0.0 and np.ptp(actions, axis=1).max() > 0.1
 
 
-@pytest.mark.parametrize("control", ["force", "trajectory"])
-def test_a_replay_plays_in_every_control_mode(control):
-    agent = agents.load_agent("random", control="targets")
-    replay = replay_of(agent, patients=2, seed=5000, env_kwargs=KWARGS)
-    actions, recording = played(Player(replay, control=control), control=control)
-    assert np.isfinite(actions).all() and recording.time[-1] == pytest.approx(2.0)
-
-
 def test_a_yoked_replay_gives_each_world_what_another_patient_got(tmp_path):
     agent = agents.load_agent("random", control="targets")
     replays_of(agent, patients=2, seed=5000, env_kwargs=KWARGS)[1].save(tmp_path / "yoked.npz")

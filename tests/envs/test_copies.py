@@ -59,17 +59,6 @@ def test_a_copy_of_the_vector_form_goes_on_like_its_original(env_id, way):
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_copy_is_no_view(way):
-    env = gym.make("jawenv/Jaw-v3")
-    env.reset(seed=3)
-    other = WAYS[way](env)
-    before = env.unwrapped.simulation.worlds.tobytes()
-    info = other.step(np.ones(4, dtype=np.float32))[4]
-    assert info["time"] == 0.2
-    assert env.unwrapped.simulation.worlds.tobytes() == before
-
-
-@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("mode", ["rgb_array", "human"])
 def test_a_copy_of_a_shown_environment_draws_its_own_pictures(mode, way, monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")

@@ -3,11 +3,10 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env
 from recorded import recording
 
 import jawenv
-from jawenv.controls import CONTROLS
+from jawenv.device.device import device_of
 from jawenv.envs.observation import Parts
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import MODELS
@@ -37,17 +36,10 @@ def test_the_registry_is_the_ladder():
     assert {env_id: model.name for model in MODELS.values() for env_id in [model.env_id]} == ENVIRONMENTS
 
 
-@pytest.mark.parametrize(
-    ("env_id", "control", "sensors"),
-    [(env_id, control, "pose") for env_id in ENVIRONMENTS for control in CONTROLS]
-    + [("jawenv/Jaw-v3", control, "point") for control in CONTROLS],
-)
-def test_both_checkers_have_nothing_to_say(env_id, control, sensors):
-    """Warnings are errors in this suite."""
-    arguments = {"control": control, "sensors": sensors, "episode_s": 1.0}
-    check_env(gym.make(env_id, **arguments).unwrapped, skip_render_check=True)
-    checker = pytest.importorskip("stable_baselines3.common.env_checker")
-    checker.check_env(gym.make(env_id, **arguments).unwrapped, warn=True)
+def test_an_anatomy_known_within_sds_comes_with_a_disturbance_that_lasts():
+    configuration = gym.make("jawenv/JawImaged-v3").unwrapped.simulation.configuration
+    assert configuration.build_knowledge() == jawenv.anatomy.knowledge.IMAGED
+    assert device_of(configuration.device) == jawenv.Device(unmodelled_time_s=0.5)
 
 
 @pytest.mark.parametrize("env_id", OTHERS)

@@ -112,37 +112,6 @@ def test_specs_survive_json_and_pickle(files):
     assert gym.make(spec).unwrapped.simulation.cohort.name == "stiff left"
 
 
-def test_a_cohort_as_a_mapping_comes_back():
-    for one in (ONE_SIDE, *jawenv.COHORTS.values()):
-        again = jawenv.Cohort.from_dict(json.loads(json.dumps(one.to_dict())))
-        assert again.to_dict() == one.to_dict()
-        np.testing.assert_array_equal(again.prior.sd, one.prior.sd)
-
-
-@pytest.mark.parametrize(
-    ("argument", "name", "text", "message"),
-    [
-        ("cohort", "a.toml", "groups = [", "a.toml: damaged TOML: Invalid value (at end of document)"),
-        ("cohort", "a.json", "[]", "a.json: content is a list; allowed: a mapping of keys to values"),
-        ("cohort", "a.json", "{}", "a.json: Cohort: groups is missing"),
-        ("device", "a.yaml", "lag_s: 0", "a.yaml: device.lag_s is 0; allowed: a finite number, more than 0, at most 2"),
-        (
-            "device",
-            "a.yaml",
-            "lag_s: .nan",
-            "a.yaml: device.lag_s is nan; allowed: a finite number, more than 0, at most 2",
-        ),
-        ("device", "a.txt", "", "a.txt: unknown file type '.txt'; allowed: .json, .toml, .yaml, .yml"),
-    ],
-)
-def test_an_unusable_file_is_named(tmp_path, argument, name, text, message):
-    (tmp_path / name).write_text(text)
-    for form in (gym.make, gym.make_vec):
-        with pytest.raises(jawenv.InputError) as caught:
-            form(ID, **{argument: tmp_path / name})
-        assert str(caught.value) == f"{tmp_path}/{message}"
-
-
 @pytest.mark.parametrize("groups", [(), [(1, 2)], ((1, 2),), "left"])
 def test_groups_are_pairs_of_stiffness(groups):
     with pytest.raises(jawenv.InputError):

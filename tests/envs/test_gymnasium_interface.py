@@ -28,15 +28,6 @@ def make(**arguments):
     return gym.make(ID, **{"control": "force", **arguments}).unwrapped
 
 
-def test_make_vec_gives_the_native_vector_form():
-    env = gym.make_vec(ID, num_envs=256, cohort="severe", control="force")
-    assert isinstance(env, JawVectorEnv)
-    assert env.num_envs == 256
-    assert env.simulation.cohort.name == "severe"
-    assert env.observation_space.shape == (256, 63)
-    assert env.single_action_space == make().action_space
-
-
 NOT_DEFAULT = {
     "control": "force",
     "sensors": "point",
@@ -124,14 +115,6 @@ def test_an_unusable_seed_is_named(seed):
     assert str(caught.value) == f"seed is {seed!r}; allowed: a whole number, 0 or more"
 
 
-def test_a_seed_that_gymnasium_drew_can_be_given_back():
-    """It has 128 bits."""
-    env = make()
-    first, _ = env.reset()
-    again, _ = env.reset(seed=env.np_random_seed)
-    np.testing.assert_array_equal(first, again)
-
-
 def test_importing_jawenv_imports_nothing_heavy():
     code = "import sys, jawenv; print(*sorted({name.split('.')[0] for name in sys.modules}))"
     loaded = subprocess.run(
@@ -154,17 +137,6 @@ def test_observations_stay_in_their_space_and_the_layout_covers_them(control, se
     np.testing.assert_array_equal(places, np.arange(63))
 
 
-def test_render_gives_a_frame():
-    env = make(render_mode="rgb_array")
-    env.reset(seed=0)
-    env.step(NOTHING)
-    frame = env.render()
-    env.close()
-    assert frame.shape == (720, 1280, 3)
-    assert frame.dtype == np.uint8
-    assert len(np.unique(frame.reshape(-1, 3), axis=0)) > 50
-
-
 LAW = {"F_o_N": 1.2, "F_o_sd": 0.5, "b": 7.0, "b_sd": 0.3}
 
 
@@ -183,11 +155,9 @@ ARGUMENTS = [
     ),
     ({"cohort": 5}, "cohort is 5; allowed: a name, a Cohort, a mapping of its fields, or a file"),
     ({"cohort": {"groups": []}}, "Cohort: groups is []; allowed: at least 1 item after validation, not 0"),
-    ({"cohort": {"sides": 2}}, "Cohort: unknown key 'sides'; allowed: name, description, basis, groups (and 1 more)"),
     ({"cohort": "no/such.toml"}, "no/such.toml: no such file"),
     ({"cohort": stiff_left(b_sd=np.nan)}, "Cohort: groups.0.left.b_sd is nan; allowed: a finite number"),
     ({"cohort": stiff_left(b_sd=0)}, "Cohort: groups.0.left.b_sd is 0; allowed: greater than 0"),
-    ({"cohort": stiff_left(b="seven")}, "Cohort: groups.0.left.b is 'seven'; allowed: a number"),
     ({"cohort": stiff_left(c=1)}, "Cohort: unknown key 'groups.0.left.c'; allowed: F_o_N, F_o_sd, b, b_sd"),
     ({"cohort": stiff_left(b_sd=2)}, "cohort 'cohort': sd of log b = 2; allowed: more than 0, at most 1.5"),
     (
@@ -200,13 +170,11 @@ ARGUMENTS = [
     ({"comfort_weight": float("nan")}, "comfort_weight is nan; allowed: a number, 0 or more, at most 1e+06"),
     ({"control_hz": 30}, "control_hz is 30; allowed: 20 divided by a whole number"),
     ({"control": "force", "control_hz": 30}, "control_hz is 30; allowed: 100 divided by a whole number"),
-    ({"control": "force", "control_hz": 200}, "control_hz is 200; allowed: 100 divided by a whole number"),
     ({"track_bound": "yes"}, "track_bound is 'yes'; allowed: true or false"),
     ({"control_hz": 1e-320}, "control_hz is 9.99989e-321; allowed: 20 divided by a whole number"),
-    ({"episode_s": 30 + 0j}, "episode_s is (30+0j); allowed: a number, more than 0, at most 1e+06"),
     ({"episode_s": True}, "episode_s is True; allowed: a number, more than 0, at most 1e+06"),
+    ({"force_sensor": "spring"}, "force_sensor is 'spring'; allowed: cell, motors, straps"),
     ({"device": 5}, "device is 5; allowed: a Device, a mapping of its fields, or the path of a file with them"),
-    ({"device": "no/such.toml"}, "no/such.toml: no such file"),
     ({"reality": 5}, "reality is 5; allowed: a Reality, a mapping of its fields, or the path of a file with them"),
     ({"reality": {"magic": 1.0}}, "reality.magic is not a field of Reality; allowed: reflex_gain, "),
     ({"reality": {"creep_share": 1.5}}, "reality.creep_share is 1.5; allowed: a finite number, 0 or more, at most 0.9"),
@@ -322,7 +290,6 @@ def test_an_unusable_option_is_named(options, message):
         ),
         ({"seed": [1, 2, 3]}, "seed has 3 entries; allowed: an integer or 2 entries"),
         ({"seed": -1}, "seed is -1; allowed: a whole number, 0 or more"),
-        ({"seed": [1, 0.5]}, "seed is 0.5; allowed: a whole number, 0 or more"),
     ],
 )
 def test_an_unusable_option_of_the_vector_form_is_named(arguments, message):

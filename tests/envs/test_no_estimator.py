@@ -3,10 +3,7 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from test_copies import actions, assert_same
-
-import jawenv
-from jawenv.envs.registration import ENVIRONMENTS
+from test_copies import actions
 
 ID = "jawenv/Jaw-v3"
 
@@ -56,27 +53,3 @@ def test_the_motion_follows_the_encoders():
         errors[estimator] = np.sqrt(np.mean(np.square(found), axis=(0, 1)))
     assert (errors["none"] > errors[None]).all()
     assert (errors["none"] < [5e-4, 1e-3, 0.003, 0.01, 0.01]).all()  # m, m, rad: the encoders' are 1e-4 and 0.0017
-
-
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
-def test_every_model_runs_in_both_forms_alike(env_id):
-    single, vec = gym.make(env_id, estimator="none"), gym.make_vec(env_id, num_envs=2, estimator="none")
-    first, _ = single.reset(seed=5001)
-    rows, _ = vec.reset(seed=5000)
-    np.testing.assert_array_equal(rows[1], first)
-    for action in actions(2, 4):
-        observation, *_ = single.step(action[1])
-        np.testing.assert_array_equal(vec.step(action)[0][1], observation)
-        assert np.isfinite(observation).all()
-
-
-def test_snapshots_go_on_alike():
-    env = gym.make(ID, estimator="none").unwrapped
-    env.reset(seed=5000)
-    snapshot = env.snapshot()
-    seen = [env.step(action) for (action,) in actions(1, 3)]
-    env.restore(snapshot)
-    for step, (action,) in zip(seen, actions(1, 3), strict=True):
-        assert_same(env.step(action), step)
-    with pytest.raises(jawenv.InputError):
-        gym.make(ID).unwrapped.restore(snapshot)

@@ -4,7 +4,6 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-import jawenv
 from jawenv.filter.readings import least_noise
 from jawenv.recordings.of_simulation import record_of
 from jawenv.recordings.record_filter import TensionFilter
@@ -70,16 +69,3 @@ def test_less_noise_than_the_least_is_as_much_as_none():
     np.testing.assert_array_equal(*found)
     default = gym.make("jawenv/Jaw-v3").unwrapped.simulation.settings["filter"]["measurement_variance"][0]
     np.testing.assert_allclose(np.sqrt(default), np.repeat([1e-4, np.radians(0.1), 1e-3, 0.02], 3))
-
-
-def test_a_disturbance_with_memory_beside_a_quiet_cell_has_a_variance():
-    device = CELL | {"unmodelled_time_s": 0.5}
-    env = gym.make("jawenv/Jaw-v3", device=device).unwrapped
-    np.testing.assert_allclose(
-        np.sqrt(env.simulation.settings["filter"]["wrench_variance"][0]), np.repeat(least_noise.WRENCH_SDS, 3)
-    )
-
-
-def test_noise_below_zero_is_refused():
-    with pytest.raises(jawenv.InputError):
-        jawenv.Device(encoder_position_mm=-0.1)

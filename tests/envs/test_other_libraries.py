@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
-from gymnasium.wrappers import TimeAwareObservation
-from gymnasium.wrappers.vector import DictInfoToList, RecordEpisodeStatistics
+from gymnasium.wrappers.vector import DictInfoToList
 
 import jawenv
 from jawenv.envs.jaw import JawEnv
@@ -28,15 +27,6 @@ def test_an_unknown_argument_is_a_type_error_in_pythons_words(form):
     assert isinstance(caught.value, TypeError)
     start = f"{form.__name__}.__init__() got an unexpected keyword argument 'frameskip'; allowed: control, sensors, "
     assert str(caught.value).startswith(start)
-
-
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
-def test_an_unknown_argument_of_make(env_id):
-    for make in (gym.make, gym.make_vec):
-        with pytest.raises(TypeError, match="unexpected keyword argument 'frameskip'") as caught:
-            make(env_id, frameskip=1)
-        assert isinstance(caught.value, jawenv.InputError)
-        assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("arguments", [{}, {"track_bound": True, "control": "targets"}])
@@ -98,17 +88,6 @@ def test_the_last_infos_are_those_of_the_worlds_that_ended():
     np.testing.assert_array_equal(info["final_info"]["_time"], [False, True])
 
 
-def test_statistics_of_episodes():
-    env = RecordEpisodeStatistics(
-        gym.make_vec(ID, num_envs=2, control="force", episode_s=0.15, autoreset_mode="same_step")
-    )
-    env.reset(seed=0)
-    steps = [env.step(ACTIONS) for _ in range(3)]
-    episode = steps[-1][4]["episode"]
-    np.testing.assert_allclose(episode["r"], np.sum([step[1] for step in steps], axis=0))
-    np.testing.assert_array_equal(episode["l"], 3)
-
-
 @pytest.mark.parametrize("limit", [None, -1, 2, 50])
 def test_a_limit_of_steps_is_that_of_a_time_limit(limit):
     arguments = {"control": "force", "episode_s": 0.2, "max_episode_steps": limit}
@@ -128,13 +107,6 @@ def test_an_unusable_limit_of_steps_is_named(limit):
     with pytest.raises(jawenv.InputError) as caught:
         JawVectorEnv(max_episode_steps=limit)
     assert str(caught.value) == f"max_episode_steps is {limit!r}; allowed: a whole number, 1 or more, or None"
-
-
-def test_a_wrapper_that_asks_for_the_number_of_steps():
-    env = TimeAwareObservation(gym.make(ID, max_episode_steps=600))
-    assert env.max_timesteps == 600
-    observation, _ = env.reset(seed=0)
-    assert env.observation_space.contains(observation)
 
 
 @pytest.mark.parametrize("env_id", ENVIRONMENTS)

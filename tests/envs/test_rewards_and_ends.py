@@ -7,7 +7,6 @@ import pytest
 import jawenv
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.observation import OBSERVATION_LAYOUT
-from jawenv.envs.rewards import potential
 from jawenv.envs.world.observation import observe_world
 from jawenv.metrics.calibration import claimed_information, true_information
 
@@ -52,11 +51,6 @@ def test_the_reward_for_the_worst_sd_follows_the_sixth_norm(reward):
         expected = 0.5 * (expected + gained)
     assert rewards.sum() == pytest.approx(expected, abs=1e-9)
     assert expected > 1.0
-
-
-def test_a_reward_without_a_potential_is_none_of_the_others():
-    with pytest.raises(KeyError, match="mean"):
-        potential("mean", gym.make_vec(ID, 1).unwrapped.simulation)
 
 
 def test_information_is_that_of_the_belief_in_info():
@@ -139,31 +133,6 @@ def test_the_observation_reads_nothing_of_the_truth(control):
     parts = simulation.worlds[0]["known"], settings["control"], settings["filter"]
     observe_world(simulation.device[0], simulation.models[0], *parts, scratch, row)
     np.testing.assert_array_equal(row, seen)
-
-
-def test_a_world_is_what_is_true_and_what_is_known():
-    """The filter is given the second and its rows of readings; neither has a field that only the simulation knows."""
-    simulation = gym.make(ID, record=True).unwrapped.simulation
-    assert simulation.worlds.dtype.names == ("truth", "known")
-    known = set(simulation.worlds["known"].dtype.names)
-    assert known == {"tick", "limits", "motors", "tracker", "reading", "belief", "left_out", "gated"} | {
-        "log_det_prior",
-        "log_det",
-    }
-    assert set(simulation.ticks.dtype.names) == {"measured", "samples"}
-    assert set(simulation.paths.dtype.names) == {"wrench", "trend", "state", "friction_share"}
-
-
-def test_the_first_observation_shows_the_prior_and_the_resting_jaw():
-    env = gym.make(ID, control="force")
-    observation, _ = env.reset(seed=0)
-    part = {name: observation[place] for name, place in OBSERVATION_LAYOUT.items()}
-    np.testing.assert_allclose(part["belief_mean"], 0.0, atol=1e-6)
-    np.testing.assert_allclose(part["belief_sd"], 0.0, atol=1e-6)
-    np.testing.assert_allclose(part["jaw"], 0.0, atol=0.2)
-    np.testing.assert_array_equal(part["force"], 0.0)
-    np.testing.assert_array_equal(part["motor_thrust"], 0.0)
-    assert part["comfort_margin"].max() <= 1.0
 
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])

@@ -149,19 +149,6 @@ def test_autoreset_is_gymnasiums_own(mode):
             np.testing.assert_array_equal(mine[4]["_final_info"], theirs[4]["_final_info"])
 
 
-def test_next_step_ignores_the_action_and_pays_nothing():
-    env = gym.make_vec(ID, num_envs=2, episode_s=0.1, control="force")
-    env.reset(seed=0)
-    env.step(np.zeros((2, 4)))
-    assert env.step(np.zeros((2, 4)))[3].all()
-    _, reward, terminated, truncated, info = env.step(np.ones((2, 4)))
-    np.testing.assert_array_equal(reward, 0.0)
-    assert not (terminated | truncated).any()
-    np.testing.assert_array_equal(info["time"], 0.0)
-    env.step(np.zeros((2, 4)))
-    assert env.step(np.zeros((2, 4)))[3].all()
-
-
 def test_a_disabled_world_stands_still_until_its_mask_resets_it():
     env = gym.make_vec(ID, num_envs=3, episode_s=0.1, autoreset_mode="disabled", control="force")
     first, _ = env.reset(seed=0)

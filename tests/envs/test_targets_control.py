@@ -77,14 +77,6 @@ def test_targets_stay_within_comfort_and_their_speed(actions):
         assert (tracker["target"] >= np.array(LOWEST) - 1e-9).all() and (tracker["target"] <= 1.0 + 1e-9).all()
 
 
-def test_a_target_within_reach_is_reached_at_the_end_of_the_step():
-    tracker = np.zeros(1, dtype=TRACKER)[0]
-    aim(tracker, np.array([-0.8, 0.3, -0.2, 0.4]), PERIOD_S)
-    for _ in range(4):
-        move_targets(tracker, 0.05)
-    np.testing.assert_allclose(tracker["target"], [0.1, 0.3, -0.2, 0.4], atol=1e-12)
-
-
 def test_the_observation_shows_the_targets_that_are_followed():
     env = gym.make(ID, control="targets").unwrapped
     observation, _ = env.reset(seed=0)
@@ -113,17 +105,3 @@ def test_rates_are_multiples_of_the_laws():
         gym.make(ID, control="targets", control_hz=50)
     with pytest.raises(InputError):
         gym.make(ID, control="targets", control_hz=8)
-
-
-@pytest.mark.parametrize("model", ["JawHinge", "JawSagittal"])
-def test_other_jaws_follow_targets_too(model):
-    played = jawenv.play(
-        Player("slow_opening", control="targets"),
-        patients=2,
-        seed=5000,
-        env_id=f"jawenv/{model}-v3",
-        env_kwargs={"control": "targets", "episode_s": 4.0},
-    )
-    assert not played.terminated.any()
-    moved = [played.belief_sd[:, -1] < played.belief_sd[:, 0]]
-    assert np.mean(moved) > 0.5

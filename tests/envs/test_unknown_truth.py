@@ -66,15 +66,6 @@ def test_a_world_that_is_drawn_again_has_nothing_left_of_its_last_truth():
         np.testing.assert_array_equal(record[name], 0.0)
 
 
-def test_a_patient_who_comes_again_has_the_same_body_and_another_mounting():
-    known = {"inertia": 0.1, "mass": 0.1, "mouthpiece_mm": 0.5, "cell_deg": 0.5}
-    first, again = truths(2, knowledge=known, anatomy_seed=3)
-    for name in ("mass", "inertia"):
-        np.testing.assert_array_equal(first["jaw"][name], again["jaw"][name])
-    assert np.all(first["jaw"]["mouthpiece"] != again["jaw"]["mouthpiece"])
-    assert np.all(first["cell_turn"] != again["cell_turn"])
-
-
 def test_untold_errors_have_their_sds():
     every = {
         "mass_error": 0.1,

@@ -51,14 +51,6 @@ def test_each_world_has_its_own_picture(number):
         np.testing.assert_array_equal(frames[i], renderer.draw(build_scene(single.simulation)))
 
 
-def test_a_governor_that_acts_all_the_time_is_shown():
-    """Twenty ticks' shares add up to a little more than 1."""
-    env = gym.make(ID, **SHORT).unwrapped
-    env.reset(seed=0)
-    env.simulation.worlds["truth"]["governor"] = np.cumsum(np.full(20, 1 / 20))[-1]
-    assert env.simulation.worlds["truth"]["governor"][0] > 1.0 and build_scene(env.simulation).governor == 1.0
-
-
 @pytest.mark.parametrize("mode", ["next_step", "same_step", "disabled"])
 def test_a_new_episode_begins_with_an_empty_trace(mode):
     """Whichever way it begins; the other world goes on with its own."""

@@ -1,8 +1,5 @@
 """The form that all agents answer in, and the memory that some have of each world."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -54,8 +51,3 @@ def test_another_number_of_worlds_is_refused_until_all_begin() -> None:
     with pytest.raises(InputError):
         agent.predict(rows(3))
     assert agent.predict(rows(3), None, np.ones(3, bool))[0].shape == (3, 4)
-
-
-def test_it_needs_no_torch() -> None:
-    code = "import sys, jawenv.playing.agents; print('torch' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600).stdout == "False\n"

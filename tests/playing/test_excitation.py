@@ -61,14 +61,6 @@ def test_harmonics_are_sums_of_few_slow_sines() -> None:
     assert np.abs(actions).max() > 0.5
 
 
-def test_one_observation_gets_one_action() -> None:
-    agent = EXCITATIONS["random"](HZ)
-    agent.reset(1, 5)
-    action, state = agent.predict(np.zeros(7))
-    assert action.shape == (4,) and state is None
-    np.testing.assert_array_equal(action, drawn(1, seed=5, steps=1)[0, 0])
-
-
 def test_zero_does_nothing() -> None:
     agent = BASELINES["zero"](HZ)
     agent.reset(3, seed=0)

@@ -9,8 +9,8 @@ import yaml
 
 from agents.registry import load_agent, names
 from jawenv.base.errors import InputError
-from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
-from jawenv.playing.maneuvers.maneuver import FASTEST_ASKED, FOLDER, Maneuver
+from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.playing.maneuvers.maneuver import FOLDER, Maneuver
 
 README = Path(__file__).parents[2] / "agents" / "README.md"
 SPEEDS_MM = np.array([25.0, 6.0])  # opening and side range of a typical patient
@@ -37,49 +37,6 @@ def test_every_file_loads_under_its_own_name(name: str) -> None:
     np.testing.assert_allclose(np.diff(targets.value, axis=0) / 0.05, between, atol=0.15)
     speed = np.linalg.norm(between[:, :2] * SPEEDS_MM, axis=1)
     assert speed.max() < 30.0, "mm/s, below the soft limit of 40"
-
-
-def test_the_maneuvers_that_come_along() -> None:
-    assert set(names()) == {
-        "chirp",
-        "hold_still",
-        "information_optimal",
-        "multisine",
-        "open_and_hold",
-        "opening_with_swings",
-        "opening_with_swings_and_fore_aft",
-        "prbs",
-        "refined",
-        "refined_force",
-        "refined_imaged",
-        "refined_one_sided",
-        "slow_opening",
-    }
-
-
-def test_only_the_fore_aft_maneuver_adds_a_force_to_the_swings() -> None:
-    plain = Maneuver.load(FOLDER / "opening_with_swings.yaml").channels
-    pushed = Maneuver.load(FOLDER / "opening_with_swings_and_fore_aft.yaml").channels
-    assert plain.opening == pushed.opening and plain.side == pushed.side
-    assert plain.signal("fore_aft").bounds() == (0.0, 0.0) and pushed.signal("fore_aft").bounds()[1] > 0.1
-
-
-def test_readme_example_plays(tmp_path: Path) -> None:
-    path = tmp_path / "mine.yaml"
-    path.write_text(yaml.safe_dump(example()), encoding="utf-8")
-    agent = load_agent(str(path), control="trajectory")
-    assert agent.name == example()["name"]
-
-
-@pytest.mark.parametrize("name", names())
-def test_bounds_of_what_comes_along_are_those_that_are_seen(name: str) -> None:
-    channels = Maneuver.load(FOLDER / f"{name}.yaml").channels
-    t = np.linspace(0.0, 200.0, 200_001)
-    for channel in CHANNELS:
-        signal = channels.signal(channel)
-        low, high = signal.bounds()
-        np.testing.assert_allclose([signal.value(t).min(), signal.value(t).max()], [low, high], atol=2e-3)
-        assert np.abs(signal.rate(t)).max() <= 1.01 * signal.fastest() + 1e-6 <= 1.01 * FASTEST_ASKED
 
 
 def refusal(tmp_path: Path, text: str) -> str:
@@ -114,44 +71,14 @@ def changed(place: str, value: object) -> str:
         ("channels.side.kind", None, "channels.side"),
         ("name", "My maneuver", "name = 'My maneuver'"),
         ("channels.sideways", {"kind": "keyframes", "points": []}, "unknown key 'channels.sideways'"),
-        (
-            "channels.side.harmonics",
-            [{"amplitude": float("nan"), "period_s": 4}],
-            "amplitude is nan; allowed: a finite",
-        ),
         ("channels.side.harmonics", [{"amplitude": 1.5, "period_s": 4}], "side runs from -1.5 to 1.5; allowed: -1"),
         ("channels.opening.points", [{"t_s": 0, "value": -0.2}], "opening runs from -0.2 to -0.2; allowed: 0 to 1"),
         ("channels.side.harmonics", [{"amplitude": "big", "period_s": 4}], "amplitude is 'big'; allowed: a number"),
         ("fade_in_s", 0, "fade_in_s is 0"),
         (
-            "channels.opening.points",
-            [{"t_s": 0, "value": 0}, {"t_s": 130, "value": 0}, {"t_s": 131, "value": 50}],
-            "channels: opening runs from 0 to 50; allowed: 0 to 1",
-        ),
-        (
-            "channels.opening.points",
-            [
-                {"t_s": 0, "value": 0},
-                {"t_s": 1.002, "value": 0},
-                {"t_s": 1.005, "value": 7},
-                {"t_s": 1.008, "value": 0},
-            ],
-            "channels: opening runs from 0 to 7; allowed: 0 to 1",
-        ),
-        (
-            "channels.opening.points",
-            [{"t_s": 0, "value": 0}, {"t_s": 1, "value": 0}, {"t_s": 1.01, "value": 0.5}],
-            "channels: opening moves at 93.75 per second; allowed: 10 at most",
-        ),
-        (
             "channels.side.harmonics",
             [{"amplitude": 0.9, "frequency_hz": 5}],
             "channels: side moves at 28.27 per second; allowed: 10 at most",
-        ),
-        (
-            "channels.side",
-            {"kind": "prbs", "amplitude": 0.5, "interval_s": 1, "switch_s": 0.01, "register_bits": 3},
-            "channels: side moves at 187.5 per second; allowed: 10 at most",
         ),
         ("fade_in_s", 1e-9, "fade_in_s is 1e-09; allowed: greater than or equal to 0.001"),
     ],

@@ -8,7 +8,6 @@ import pytest
 from jawenv.base.errors import InputError
 from jawenv.device.device import Device
 from jawenv.envs.observation import FORCE_SCALE, OBSERVATION_LAYOUT, Parts
-from jawenv.playing.agents import Agent, Memory
 from jawenv.playing.maneuvers.maneuver import Maneuver, Player
 
 DT = 0.05
@@ -96,18 +95,6 @@ def play(agent: Player, jaw: SpringJaw, seconds: float) -> tuple[np.ndarray, np.
     return np.array(places), np.array(actions)
 
 
-@pytest.mark.parametrize(("control", "tolerance"), [("trajectory", (0.01, 0.1, 0.03)), ("force", (0.04, 0.2, 0.02))])
-def test_targets_are_reached_whatever_the_stiffness(control: str, tolerance: tuple[float, ...]) -> None:
-    jaw = SpringJaw(control, stiffness=np.array([0.6, 1.0, 1.6]))
-    tried = swings()
-    places, actions = play(Player(tried, control=control), jaw, 16.0)
-    wanted = tried.targets(DT * np.arange(1, len(places) + 1)).value[:, None, :3]
-    error = np.sqrt(np.mean((places - wanted)[20:] ** 2, axis=0))
-    assert (error < tolerance).all(), error
-    assert np.abs(actions).max() <= 1.0 and actions.dtype == np.float32
-    assert np.abs(np.diff(actions, axis=0)).max() < 0.2
-
-
 def test_in_trajectory_control_the_motors_follow_a_jaw_that_moves_away() -> None:
     """A jaw that would load the motors with 1 N/s meets a small force, not one that grows."""
     jaw = SpringJaw("trajectory", stiffness=np.ones(2))
@@ -128,31 +115,6 @@ def test_worlds_do_not_touch_each_other(control: str) -> None:
     for world in range(3):
         alone, _ = play(Player(swings(), control=control), SpringJaw(control, stiffness[world : world + 1]), 6.0)
         np.testing.assert_array_equal(together[:, world], alone[:, 0])
-
-
-def test_one_observation_gets_one_action() -> None:
-    rows = SpringJaw("force", np.ones(1)).observe()
-    action, _ = Player(swings(), control="force").predict(rows[0])
-    assert action.shape == (4,)
-    np.testing.assert_array_equal(action, Player(swings(), control="force").predict(rows)[0][0])
-
-
-def test_the_memory_is_the_state_and_is_never_changed_in_place() -> None:
-    """A caller may hand the state back, leave it out, or go on from an older one."""
-    agent, other = Player(swings(), control="force"), Player(swings(), control="force")
-    assert isinstance(agent, Agent)
-    jaw = SpringJaw("force", np.ones(2))
-    state, states, observations, actions = None, [], [], []
-    for step in range(30):
-        observations.append(jaw.observe())
-        states.append(state)
-        action, state = agent.predict(observations[-1], state, np.full(2, step == 0))
-        np.testing.assert_array_equal(action, other.predict(observations[-1])[0])
-        actions.append(action)
-        jaw.step(action)
-    again, _ = agent.predict(observations[12], states[12])
-    np.testing.assert_array_equal(again, actions[12])
-    assert isinstance(state, Memory) and (state.of_worlds[0] == 30).all()
 
 
 def test_a_new_episode_starts_in_its_world_alone() -> None:

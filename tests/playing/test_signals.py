@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 from scipy.signal import chirp as scipy_chirp
 
-from jawenv.playing.maneuvers.signals import AnySignal, Chirp, Harmonics, Keyframes, Prbs, Signal
+from jawenv.playing.maneuvers.signals import AnySignal, Harmonics, Signal
 
 SIGNAL: TypeAdapter[Signal] = TypeAdapter(AnySignal)
 
@@ -50,15 +50,6 @@ def test_rate_is_the_derivative_of_the_value(name: str) -> None:
     np.testing.assert_allclose(signal.rate(t), numeric, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", SMOOTH)
-def test_values_keep_the_shape_of_t_and_depend_on_t_alone(name: str) -> None:
-    signal = SIGNAL.validate_python(SMOOTH[name])
-    t = np.linspace(0.0, 20.0, 12).reshape(3, 4)
-    assert signal.value(t).shape == signal.rate(t).shape == (3, 4)
-    assert signal.value(2.5).shape == ()
-    assert signal.value(t)[1, 2] == pytest.approx(float(signal.value(t[1, 2])), abs=1e-14)
-
-
 def test_keyframes_pass_their_points_at_rest_and_hold_the_ends() -> None:
     signal = SIGNAL.validate_python(SMOOTH["keyframes"])
     t = np.array([1.0, 4.0, 6.0])
@@ -78,12 +69,6 @@ def test_linear_keyframes_are_straight() -> None:
     signal = SIGNAL.validate_python({**SMOOTH["keyframes"], "interpolation": "linear"})
     np.testing.assert_allclose(signal.value([2.5, 5.0]), [0.4, 0.3])
     np.testing.assert_allclose(signal.rate([2.5, 5.0]), [0.8 / 3, -0.5])
-
-
-def test_one_keyframe_is_a_constant() -> None:
-    signal = SIGNAL.validate_python({"kind": "keyframes", "points": [{"t_s": 3, "value": 0.4}]})
-    np.testing.assert_allclose(signal.value([0.0, 3.0, 9.0]), 0.4)
-    np.testing.assert_allclose(signal.rate([0.0, 3.0, 9.0]), 0.0)
 
 
 def test_repeated_keyframes_are_periodic() -> None:
@@ -221,20 +206,13 @@ def test_prbs_never_leaves_its_levels(switch_s: float) -> None:
             "allowed: the first one",
         ),
         ({"kind": "harmonics", "harmonics": [{"amplitude": 1}]}, "exactly one of period_s and frequency_hz"),
-        (
-            {"kind": "harmonics", "harmonics": [{"amplitude": 1, "period_s": 2, "frequency_hz": 0.5}]},
-            "exactly one of period_s and frequency_hz",
-        ),
         ({"kind": "harmonics", "harmonics": [{"amplitude": 0.01, "period_s": 9}] * 33}, "at most 32"),
         ({"kind": "harmonics", "harmonics": [{"amplitude": 0, "frequency_hz": 11}]}, "less than or equal to 10"),
-        ({"kind": "harmonics", "harmonics": [{"amplitude": 0, "period_s": 1e-300}]}, "greater than or equal to 0.1"),
         ({"kind": "keyframes", "points": [{"t_s": 1e300, "value": 0}]}, "less than or equal to 3600"),
         (
             {"kind": "keyframes", "points": [{"t_s": 1, "value": 0}, {"t_s": 1 + 1e-12, "value": 0}]},
             "t_s 1.000000000001 follows 1; allowed: 0.001 s later, or more",
         ),
-        ({**SMOOTH["chirp"], "duration_s": 1e-300}, "duration_s"),
-        ({**SMOOTH["prbs"], "interval_s": 1e-300}, "interval_s"),
         ({**SMOOTH["chirp"], "from_hz": 0}, "from_hz"),
         ({**SMOOTH["prbs"], "switch_s": 2.0}, "allowed: up to interval_s"),
         ({**SMOOTH["prbs"], "seed": 16}, "below 2\\^register_bits"),
@@ -244,8 +222,3 @@ def test_prbs_never_leaves_its_levels(switch_s: float) -> None:
 def test_a_wrong_description_is_named(wrong: dict, message: str) -> None:
     with pytest.raises(ValidationError, match=message):
         SIGNAL.validate_python(wrong)
-
-
-def test_kinds_select_their_models() -> None:
-    kinds = [type(SIGNAL.validate_python(SMOOTH[name])) for name in ("keyframes", "harmonics", "chirp", "prbs")]
-    assert kinds == [Keyframes, Harmonics, Chirp, Prbs]

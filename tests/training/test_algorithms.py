@@ -14,7 +14,6 @@ from stable_baselines3 import SAC, TD3
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.evaluations import read_evaluations
-from jawenv.base.errors import InputError
 from jawenv.base.files import validate
 from jawenv.base.progress import Progress
 from jawenv.envs.observation import Parts
@@ -132,11 +131,6 @@ def test_noise_falls_linearly_and_is_not_learned(tmp_path: Path) -> None:
     log_std = model.policy.log_std
     assert log_std.tolist() == pytest.approx([-1.25] * 2)  # as set at the last rollout's start, 160 of 640 steps
     assert not log_std.requires_grad
-
-
-def test_unknown_device_is_refused() -> None:
-    with pytest.raises(InputError):
-        make_model(TrainingConfig(device="abacus"), NativeVecEnv(PointVectorEnv(8, "same_step")))
 
 
 def test_networks_that_no_card_describes() -> None:

@@ -108,23 +108,6 @@ def test_a_run_goes_on_with_its_price_and_its_world(trained: RunFolder, tmp_path
         assert said in other.note
 
 
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        (("maneuver: opening_with_swings", "maneuver: nowhere.yaml"), "nowhere.yaml"),
-        (("control: targets, ", "control: force, control_hz: 12.5, "), "control_hz is 12.5"),
-    ],
-)
-def test_unusable_residuals_get_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], told: str
-) -> None:
-    (tmp_path / "jaw.yaml").write_text(CONFIG.replace(*change))
-    assert main(["train", str(tmp_path / "jaw.yaml"), "--output", str(tmp_path / "run")]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1 and told in error
-    assert not (tmp_path / "run").exists()
-
-
 def test_the_hash_of_a_configuration_is_that_of_its_content(tmp_path: Path) -> None:
     texts = {"a": "seed: 7\nsteps: 3\n", "b": "# the same\nsteps: 3\nseed: 7\n", "c": "seed: 8\nsteps: 3\n"}
     for name, text in texts.items():

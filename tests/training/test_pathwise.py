@@ -2,17 +2,14 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
 from rich.console import Console
 
-import agents
-from agents.evaluations import read_evaluations
 from eval.kept.entries import fits, load_entry
 from jawenv.base.errors import InputError
 from jawenv.envs.configuration import Configuration
-from jawenv.envs.observation import OBSERVATION_LAYOUT, Parts
+from jawenv.envs.observation import OBSERVATION_LAYOUT
 from training.cli import main
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
@@ -39,18 +36,11 @@ def config(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_run_is_trained_resumed_and_played(config: Path, tmp_path: Path) -> None:
-    run = RunFolder(tmp_path / "run")
-    assert main(["train", str(config), "--output", str(run.path)]) == 0
-    assert main(["train", "--resume", str(run.path), "--steps", "80"]) == 0
-    assert [row["steps"] for row in read_evaluations(run.path)] == [0, 40, 80]
-    assert agents.load_agent(str(run.path)).predict(np.zeros(Parts().size, np.float32))[0].shape == (4,)
-
-
 def test_a_policy_that_is_told_what_is_asked(config: Path, tmp_path: Path) -> None:
     config.write_text(CONFIG.replace("episode_s: 2.0", "episode_s: 2.0, asked: random, comfort_limit_s: 0.01"))
     run = tmp_path / "run"
     assert main(["train", str(config), "--output", str(run)]) == 0
+    assert main(["train", "--resume", str(run), "--steps", "80"]) == 0
     world = Configuration(asked="random", episode_s=2.0)
     recording = load_entry(str(run), world).play(2, 5000)
     assert (recording.asked.sum(axis=1) == 2).all()

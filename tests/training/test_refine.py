@@ -1,12 +1,7 @@
 """The search by the twin's gradient: what it finds, the file that it writes, and what a stop leaves."""
 
-import gymnasium as gym
 import pytest
-import torch
 
-from agents.twin.constants import Patients, Twin
-from agents.twin.search import cost_of
-from agents.twin.worlds import Worlds
 from jawenv.base.locks import alone
 from jawenv.playing.maneuvers import Maneuver
 from training.cli import main
@@ -14,20 +9,6 @@ from training.search import gradient
 
 OPTIONS = ["--refine", "opening_with_swings", "--horizon-s", "2", "--patients", "2", "--updates", "2"]
 COMMAND = ["refine", *OPTIONS, "--output"]
-
-
-def test_what_is_found_is_better_than_the_beginning():
-    found = gradient.search("refined", "trismus", 6, 8, 2.0)
-    env = gym.make_vec("jawenv/Jaw-v3", 8, cohort="trismus", episode_s=2.0, autoreset_mode="disabled")
-    env.reset(seed=6000)
-    twin, patients = Twin(env.unwrapped.simulation), Patients.of_worlds(env.unwrapped.simulation.worlds)
-    beginning = Maneuver.named("refined").targets(0.2 * torch.arange(1.0, 11.0).numpy()).value
-    with torch.no_grad():
-        worst = [
-            cost_of(Worlds(twin, patients), torch.tensor(each).expand(8, -1, -1), 0.0).mean()
-            for each in (found, beginning)
-        ]
-    assert worst[0] < worst[1] - 0.01
 
 
 def test_the_command_writes_a_file_that_plays(tmp_path, capsys):

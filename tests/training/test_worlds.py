@@ -93,11 +93,6 @@ def test_reward_that_would_ruin_the_network_is_named(value: float, monkeypatch: 
         worlds.step(np.zeros((3, 2)))
 
 
-def test_other_autoreset_modes_are_refused() -> None:
-    with pytest.raises(InputError):
-        NativeVecEnv(PointVectorEnv(2))
-
-
 def test_an_id_makes_the_worlds_that_a_refusal_asks_for() -> None:
     with pytest.raises(InputError, match='autoreset_mode="same_step"'):
         NativeVecEnv(gym.make_vec("jawenv/JawHinge-v3", num_envs=2))

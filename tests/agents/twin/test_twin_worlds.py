@@ -17,8 +17,6 @@ from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.observation import OBSERVATION_LAYOUT, Parts
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import action_of
-from jawenv.playing.maneuvers.written import maneuver_of_targets
-from training.search.gradient import within_reach
 
 TARGETS = Maneuver.named("refined_one_sided").targets(0.2 * np.arange(1, 16)).value
 
@@ -111,13 +109,6 @@ def test_log_worst_bounds_the_largest_sd(env):
     largest = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).log() / 2.0
     assert ((log_worst(worlds) >= largest - 1e-9) & (log_worst(worlds) < largest + log(12.0) / 10.0)).all()
     assert sum(weights(50).values()) == pytest.approx(1.0)
-
-
-def test_a_found_maneuver_is_played_as_found():
-    header = {"name": "found", "title": "Found", "description": "d", "source": "s"}
-    reached = within_reach(np.asarray(TARGETS), 0.2)
-    maneuver = maneuver_of_targets(reached, 0.2, header)
-    np.testing.assert_allclose(maneuver.targets(0.2 * np.arange(1, 16)).value, reached, atol=1e-4)
 
 
 def test_beliefs_begin_with_what_was_known_before(env):

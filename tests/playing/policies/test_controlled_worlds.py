@@ -113,18 +113,6 @@ def corrector() -> ResidualPolicy:
     return ResidualPolicy(Drawn(), BASE, path=None, parts=Parts())  # type: ignore[arg-type]
 
 
-def test_actions_are_those_of_the_agent() -> None:
-    inner, drawn = Counting((3, 5)), Drawn()
-    worlds, agent = ControlledWorlds(inner, BASE), corrector()
-    drawn.reset(2)
-    agent.reset(2)
-    (seen, _), starts = worlds.reset(), np.zeros(2, bool)
-    for _ in range(12):
-        action, _ = agent.predict(seen[:, : Parts().size], episode_start=starts)
-        seen, _, _, starts, _ = worlds.step(drawn.predict(seen)[0])
-        np.testing.assert_array_equal(inner.actions[-1], action)
-
-
 def test_worlds_and_agent_do_the_same() -> None:
     def jaws() -> Any:
         kwargs = {"autoreset_mode": "same_step", "control": "force", "episode_s": 2.0}

@@ -6,7 +6,6 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from jawenv.base.errors import InputError
 from jawenv.envs.observation import OBSERVATION_LAYOUT, Parts
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import DECISION_HZ, TargetsLaw, decision_hz
@@ -99,23 +98,6 @@ def test_targets_stay_within_comfort_whatever_is_asked_for() -> None:
                 assert (abs(law.act(observations(2), trackers, goal)) <= 1.0).all()
         ends = [1.0] * 4 if extreme > 0 else [0.0, -1.0, -1.0, -1.0]
         np.testing.assert_allclose(trackers["target"], [ends, ends], atol=1e-6)
-
-
-def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
-    goals = np.random.default_rng(2).uniform(-1, 1, (5, 4))
-    kept, handed = (ControlledAgent(Script(goals), TargetsLaw("force")) for _ in range(2))
-    seen, state = observations(2), None
-    for _ in range(10):
-        action, state = handed.predict(seen, state)
-        np.testing.assert_array_equal(action, kept.predict(seen)[0])
-        handed._memory = None
-
-
-def test_one_world_without_a_leading_axis_and_a_changed_number_of_worlds() -> None:
-    agent = ControlledAgent(Script(np.zeros((5, 4))), TargetsLaw("force"))
-    assert agent.predict(observations(1)[0])[0].shape == (4,)
-    with pytest.raises(InputError):
-        agent.predict(observations(2))
 
 
 def test_rates() -> None:
