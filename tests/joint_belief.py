@@ -1,4 +1,4 @@
-"""A joint belief of a moving jaw, as the plain filters carry it, and dense derivatives by an independent model."""
+"""A moving jaw, as the plain filters carry it, and dense derivatives by an independent model."""
 
 import numpy as np
 
@@ -7,14 +7,12 @@ from jawenv.references.numpy_model import step, step_with_derivative
 
 DT = 0.01
 STATE, PARAMETERS, GAIN = slice(0, 10), slice(10, 22), 22
-# Of the states (m, rad, m/s, rad/s), parameters and gain, as after some seconds of measurement.
-SD = np.concatenate([[1e-4, 1e-4], [2e-3] * 3, [1e-3] * 2, [1e-2] * 3, [0.3] * 12, [0.01]])
 
 
 class Belief:
-    """A random mean and correlated covariance of a moving jaw, with load-cell samples and their trend."""
+    """A random mean of a moving jaw, with load-cell samples and their trend."""
 
-    def __init__(self, rng, gain_sd=0.01, parameter_sd=0.3):
+    def __init__(self, rng):
         motion = [
             rng.uniform(1e-3, 8e-3),
             rng.uniform(-1e-3, 1e-3),
@@ -23,14 +21,7 @@ class Belief:
         ]
         motion += [*rng.uniform(-0.02, 0.02, 2), *rng.uniform(-0.5, 0.5, 3)]
         parameters = jawenv.cohort("trismus").draw_log_parameters(rng)
-        self.mean = np.concatenate([motion, parameters, [rng.normal() * gain_sd]])
-        sd = SD.copy()
-        sd[PARAMETERS], sd[GAIN] = parameter_sd, gain_sd
-        factor = rng.normal(size=(23, 40))
-        correlation = factor @ factor.T
-        scale = sd / np.sqrt(np.diag(correlation))
-        self.covariance = correlation * np.outer(scale, scale)
-        self.covariance = 0.5 * (self.covariance + self.covariance.T)
+        self.mean = np.concatenate([motion, parameters, [0.01 * rng.normal()]])
         self.trend = np.concatenate([rng.uniform(-8, 8, 3), rng.uniform(-0.1, 0.1, 3)])
         self.samples = self.trend + rng.normal(size=(3, 6)) * [0.5, 0.5, 0.5, 0.02, 0.02, 0.02]
 

@@ -3,11 +3,21 @@
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 LONGEST_S = 600.0
+
+
+def python(*arguments: object, cwd: Any = None, env: Any = None, check: bool = True) -> Any:
+    """What a new process of this Python did, which must end well unless ``check`` is False; ``env`` is added."""
+    command = [sys.executable, *map(str, arguments)]
+    given = {"cwd": cwd, "env": os.environ | (env or {}), "capture_output": True, "text": True, "timeout": LONGEST_S}
+    ran = subprocess.run(command, **given)
+    assert ran.returncode == 0 or not check, ran.stderr
+    return ran
 
 
 @contextmanager

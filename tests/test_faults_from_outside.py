@@ -1,9 +1,7 @@
 """What goes wrong outside of the project is told in one line, and never by a traceback or in silence."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -14,20 +12,14 @@ from agents import load_agent
 from jawenv import InputError
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.envs.vector_arguments import enough_memory
+from tests.processes import python
 
 ROOT = Path(__file__).parents[1]
 ASCII = {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0", "COLUMNS": "100"}
 
 
-def ran(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, *arguments],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        env=os.environ | environment,
-        timeout=600,
-    )
+def ran(*arguments: str, **environment: str) -> Any:
+    return python(*arguments, cwd=ROOT, env=environment, check=False)
 
 
 @pytest.mark.parametrize("inside", ["", "/below"])

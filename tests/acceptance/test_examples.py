@@ -1,7 +1,6 @@
 """The examples run as their first lines say, in a process of their own; what they refuse is seen in this one."""
 
 import importlib.util
-import os
 import runpy
 import subprocess
 import sys
@@ -13,14 +12,13 @@ import numpy as np
 import pytest
 
 import jawenv
+from tests.processes import python
 
 ROOT = Path(__file__).parents[2]
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, *arguments]
-    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=600)
+    return python(*arguments, cwd=ROOT, env={"OMP_NUM_THREADS": "1"}, check=False)
 
 
 @pytest.fixture

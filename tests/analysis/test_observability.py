@@ -57,16 +57,6 @@ def test_one_moment_cannot_tell_all_parameters_and_the_motion_can(env_id, states
     assert (found.growing_rank == states).all() and (found.rank == states).all()
 
 
-def test_what_one_moment_can_tell_is_the_rank_of_the_accelerations():
-    """By the independent model: motion, and as many parameters as their derivatives of the rates have rank."""
-    record, tick = record_of(), 100
-    by_parameter = twin.derivative(
-        lambda p: twin.state_rate(record.jaw, p, record.states[tick], record.wrenches[tick, 0]), record.truth
-    )
-    values = np.linalg.svd(by_parameter, compute_uv=False)
-    assert (values > 1e-9 * values[0]).sum() + 10 == observability(record).frozen_rank[1]
-
-
 def test_a_point_without_angles_tells_less_and_blindness_nothing():
     record = record_of()
     whole = observability(record).singular_values

@@ -22,10 +22,7 @@ def direction(names, **weights):
     [
         ({"F_o_temporalis_left": 1, "F_o_temporalis_right": -1}, "F_o: temporalis, left against right"),
         ({"F_o_temporalis_left": -1, "F_o_temporalis_right": 1}, "F_o: temporalis, left against right"),
-        (
-            {"F_o_masseter_left": 0.6, "F_o_medial_pterygoid_left": -0.7},
-            "F_o: masseter against medial pterygoid, left",
-        ),
+        ({"F_o_masseter_left": 0.6, "F_o_medial_pterygoid_left": -0.7}, "F_o: masseter against medial pterygoid, left"),
         ({"F_o_masseter_left": 1, "b_masseter_left": -1}, "F_o against b: masseter, left"),
         ({"b_masseter_right": 3}, "b: masseter, right"),
         ({"b_masseter_left": 1, "b_masseter_right": 1}, "b: masseter, both sides"),
@@ -41,10 +38,7 @@ def direction(names, **weights):
             {"F_o_masseter_left": 1, "F_o_temporalis_right": 1, "F_o_medial_pterygoid_left": -1},
             "F_o masseter left and F_o temporalis right against F_o medial pterygoid left",
         ),
-        (
-            {"F_o_masseter_left": 1, "b_temporalis_right": -1},
-            "F_o masseter left against b temporalis right",
-        ),
+        ({"F_o_masseter_left": 1, "b_temporalis_right": -1}, "F_o masseter left against b temporalis right"),
         (
             {"F_o_masseter_left": 1, "b_masseter_left": 1, "b_temporalis_left": -1},
             "F_o masseter left and b masseter left against b temporalis left",

@@ -32,26 +32,6 @@ def test_every_portion_is_accepted_exactly_once_and_has_a_strength() -> None:
     assert set(PORTIONS) < set(LENGTHS_MM)
 
 
-def test_the_printed_deep_masseter_is_kept_as_rejected_with_a_reason() -> None:
-    (rejected,) = [row for row in attachment_rows() if row.status == "rejected"]
-    (temporalis,) = [row for row in attachment_rows() if row.portion == "anterior_temporalis"]
-    assert rejected.portion == "deep_masseter"
-    assert rejected.origin[1:] == temporalis.origin[1:]
-    assert rejected.insertion == temporalis.insertion
-    assert rejected.insertion_sd == temporalis.insertion_sd
-    assert "copying error" in rejected.remark
-
-
-def test_units_spread_source_and_grade_are_given() -> None:
-    for row in attachment_rows():
-        assert row.unit == "mm"
-        assert min(*row.origin_sd, *row.insertion_sd) > 0
-        assert row.source
-        # On the right of the midline, within a head's size.
-        assert row.origin[1] < 0 and row.insertion[1] < 0
-        assert max(map(abs, (*row.origin, *row.insertion))) < 70
-
-
 @pytest.mark.parametrize("portion", LENGTHS_MM)
 def test_the_left_side_is_the_mirror_image(portion: str) -> None:
     left, right = attachment(portion, "left"), attachment(portion, "right")

@@ -44,19 +44,6 @@ def test_whole_masseter_is_the_force_weighted_mean() -> None:
     assert 1e3 * muscles.l_o_m[right] == pytest.approx(41.985, abs=1e-3)
 
 
-def test_whole_muscles_lie_between_their_portions() -> None:
-    whole, portions = muscle_set(), muscle_set(PORTIONS)
-    for name, parts in WHOLE_MUSCLES.items():
-        for side in ("left", "right"):
-            i = whole.names.index(f"{name}_{side}")
-            j = [portions.names.index(f"{part}_{side}") for part in parts]
-            for points, ends in (
-                (portions.origin_m, whole.origin_m),
-                (portions.insertion_m, whole.insertion_m),
-            ):
-                assert np.all(ends[i] >= points[j].min(axis=0)) and np.all(ends[i] <= points[j].max(axis=0))
-
-
 def test_portions_keep_the_lines_of_the_table() -> None:
     portions = muscle_set(PORTIONS)
     assert len(portions) == 12

@@ -45,14 +45,6 @@ def test_json_round_trip_is_exact(patient: Patient) -> None:
     assert pickle.loads(pickle.dumps(patient)) == patient
 
 
-@settings(deadline=None, max_examples=50)
-@given(st.lists(st.floats(-6, 4), min_size=12, max_size=12))
-def test_log_parameters_round_trip(theta: list[float]) -> None:
-    patient = Patient.from_log_parameters(theta, name="p", head_tilt_deg=3.0)
-    np.testing.assert_allclose(patient.log_parameters(), theta, rtol=1e-14, atol=1e-15)
-    assert (patient.name, patient.head_tilt_deg) == ("p", 3.0)
-
-
 def test_log_parameters_follow_the_parameter_names() -> None:
     patient = Patient(
         F_o_N={name: 1.0 + k for k, name in enumerate(MUSCLE_NAMES)},
@@ -76,23 +68,9 @@ def without(values: dict[str, float], name: str) -> dict[str, float]:
 
 FAULTS = [
     ({"F_o_N": F_O | {"masseter_left": -1}, "b": B}, "F_o_N.masseter_left is -1; allowed: greater than 0"),
-    ({"F_o_N": F_O | {"masseter_left": 0.0}, "b": B}, "F_o_N.masseter_left is 0.0; allowed: greater than 0"),
-    (
-        {"F_o_N": F_O, "b": B | {"temporalis_right": 61}},
-        "b.temporalis_right is 61; allowed: less than or equal to 60",
-    ),
-    (
-        {"F_o_N": F_O | {"masseter_left": float("nan")}, "b": B},
-        "F_o_N.masseter_left is nan; allowed: a finite number",
-    ),
-    ({"F_o_N": F_O | {"masseter_left": "2"}, "b": B}, "F_o_N.masseter_left is '2'; allowed: a number"),
-    ({"F_o_N": F_O | {"masseter_left": True}, "b": B}, "F_o_N.masseter_left is True; allowed: a number"),
-    ({"F_o_N": F_O | {"masseter_left": 10**400}, "b": B}, None),
+    ({"F_o_N": F_O, "b": B | {"temporalis_right": 61}}, "b.temporalis_right is 61; allowed: less than or equal to 60"),
     ({"F_o_N": F_O | {"digastric": 1.0}, "b": B}, f"F_o_N: unknown muscle 'digastric'; allowed: {MUSCLES}"),
-    (
-        {"F_o_N": F_O, "b": without(B, "masseter_right")},
-        f"b: muscle 'masseter_right' is missing; needed: {MUSCLES}",
-    ),
+    ({"F_o_N": F_O, "b": without(B, "masseter_right")}, f"b: muscle 'masseter_right' is missing; needed: {MUSCLES}"),
     ({"F_o_N": F_O}, "b is missing"),
     ({}, "F_o_N is missing (and 1 more)"),
     ({"F_o_N": 3, "b": B}, "F_o_N is 3; allowed: a mapping"),
@@ -101,23 +79,13 @@ FAULTS = [
         "unknown key 'head_tilt'; allowed: name, F_o_N, b, head_tilt_deg, anatomy_seed",
     ),
     ({"F_0_N": F_O, "b": B}, "unknown key 'F_0_N'; allowed: name, F_o_N, b, head_tilt_deg, anatomy_seed (and 1 more)"),
-    (
-        {"F_o_N": F_O, "b": B, "head_tilt_deg": 91},
-        "head_tilt_deg is 91; allowed: less than or equal to 90",
-    ),
-    (
-        {"F_o_N": F_O, "b": B, "anatomy_seed": -1},
-        "anatomy_seed is -1; allowed: greater than or equal to 0",
-    ),
+    ({"F_o_N": F_O, "b": B, "head_tilt_deg": 91}, "head_tilt_deg is 91; allowed: less than or equal to 90"),
     ({"F_o_N": F_O, "b": B, "name": ""}, "name is ''; allowed: at least 1 character"),
 ]
 
 
 @pytest.mark.parametrize(("data", "message"), FAULTS)
-def test_every_way_in_gives_the_same_line(tmp_path: Path, data: dict[str, object], message: str | None) -> None:
-    if message is None:
-        shown = "1" + 56 * "0" + "..."
-        message = f"F_o_N.masseter_left is {shown}; allowed: a finite number"
+def test_every_way_in_gives_the_same_line(tmp_path: Path, data: dict[str, object], message: str) -> None:
     with pytest.raises(InputError) as caught:
         Patient(**data)
     assert str(caught.value) == f"Patient: {message}"

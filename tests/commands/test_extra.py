@@ -1,11 +1,10 @@
 """A command without the packages of its extra says in one line how to install them."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests.processes import python
 from training.extra import installed
 
 ROOT = Path(__file__).parents[2]
@@ -19,7 +18,7 @@ runpy.run_module({command!r}, run_name="__main__")
 
 def test_the_extra_is_named() -> None:
     code = RUNS.format(package="torch", command="training", arguments=["train", "ppo"])
-    ran = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=600)
+    ran = python("-c", code, cwd=ROOT, check=False)
     assert ran.stderr.startswith("error: python -m training needs torch: .ci/setup ") and ran.stderr.count("\n") == 1
     assert ran.returncode == 2
 

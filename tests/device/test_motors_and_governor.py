@@ -8,7 +8,6 @@ from far_limits import far_limits
 import jawenv
 from jawenv.device.comfort import GOVERNOR_ONSET
 from jawenv.device.comfort_settings import Comfort
-from jawenv.device.device import DEVICE
 from jawenv.device.motors import (
     BRAKED,
     CAPPED,
@@ -52,20 +51,6 @@ def command(device, jaw, motors, action, control=FORCE_CONTROL, q=Q, u=STILL):
 def wrench(device, jaw, limits, motors, q=Q, u=STILL, since=0.0, control=FORCE_CONTROL):
     found, acted = device_wrench(device, jaw, limits, motors, (tuple(q), tuple(u), ON_PATH), since, control)
     return np.array(found), acted
-
-
-def test_the_record_is_the_device_in_SI_units():
-    record = device_record(lever=0.5, vertical_arm_mm=20.0, motor_no_load_mm_s=8.0, encoder_angle_deg=180.0)
-    assert record.dtype == DEVICE
-    assert (record["thrust_continuous"], record["thrust_peak"]) == (75.0, 115.0)
-    assert record["no_load_speed"] == pytest.approx(0.016)
-    assert record["encoder_angle"] == pytest.approx(np.pi)
-    np.testing.assert_allclose(record["point"][:2], [[0, 0.020, 0], [0, -0.020, 0]])
-    np.testing.assert_array_equal(record["direction"], [[0, 0, -1], [0, 0, -1], [1, 0, 0], [1, 0, 0]])
-
-
-def test_noise_may_be_switched_off():
-    assert device_record(unmodelled_force_N=0.0, cell_force_N=0, cell_gain=0.0)["unmodelled_force"] == 0.0
 
 
 def test_the_command_rises_no_faster_than_the_slew_limit(jaw, motors):
@@ -127,12 +112,6 @@ def test_the_wrench_is_the_sum_of_the_motors_pushes(jaw, motors, limits, rng):
     found, acted = wrench(device, jaw, limits, motors, q)
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
     assert acted == IDLE
-
-
-def test_left_yaw_is_right_motor_forward(jaw, motors, limits):
-    motors["thrust"] = [0, 0, -1, 1]
-    found, _ = wrench(device_record(), jaw, limits, motors, q=np.zeros(5))
-    np.testing.assert_allclose(found, [0, 0, 0, 0, 0, 2 * 0.030], atol=1e-15)
 
 
 @pytest.mark.parametrize(("cap_N", "expected"), [(40.0, 24.0 * (1 + 0.5 * GOVERNOR_ONSET)), (9.0, 9.0)])

@@ -37,11 +37,6 @@ def test_they_are_those_whom_a_reset_takes(model):
     assert mask.tolist() == [taken(env, row, rung.muscles.names) for row in theta]
 
 
-def test_there_are_both_kinds_in_these_tests():
-    mask = jawenv.treatable(theta_of("jaw"))
-    assert 0 < mask.sum() < len(mask)
-
-
 def test_the_treatable_of_a_sample_are_as_those_whom_a_reset_draws():
     sample = SOFT.sample(PATIENTS, 0, accept=jawenv.treatable)
     assert sample.shape == (PATIENTS, 12) and jawenv.treatable(sample).all()

@@ -3,8 +3,6 @@
 import gc
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +14,9 @@ import jawenv
 from jawenv.base.errors import InputError
 from jawenv.kernels import cache
 from jawenv.kernels.compiled import WORLDS_AT_ONCE, njit, world_kernel
+from tests.processes import python
+
+SOURCES = Path(jawenv.__file__).parents[1]
 
 # The inner kernel calls itself, and so stays a function of its own, which the outer calls by its symbol.
 KERNELS = """
@@ -47,15 +48,17 @@ for size in sys.argv[1:]:
 """
 
 
+def run(kernels: Path, kept: Path, *arguments: str, sources: Path = SOURCES, **options: Any) -> Any:
+    """A process of this file, with its own cache."""
+    return python(kernels, *arguments, env={"JAWENV_CACHE_DIR": str(kept), "PYTHONPATH": str(sources)}, **options)
+
+
 def test_two_processes_may_fill_the_cache_for_a_third(tmp_path: Path) -> None:
     """Twice the sum of ones, of which a record has as many as its type says."""
     (tmp_path / "kernels.py").write_text(KERNELS)
-    places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
 
     def sums(*sizes: str) -> list[float]:
-        command = [sys.executable, str(tmp_path / "kernels.py"), *sizes]
-        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True, timeout=600)
-        return [float(line) for line in ran.stdout.split()]
+        return [float(line) for line in run(tmp_path / "kernels.py", tmp_path / "cache", *sizes).stdout.split()]
 
     assert sums("3") == [6.0]
     assert sums("5") == [10.0]
@@ -87,9 +90,7 @@ def run_constant(folder: Path, cache: Path, text: str) -> tuple[float, bool]:
     """What kernels of this ``text`` print, and whether they were compiled for it: then stderr says so."""
     folder.mkdir()
     (folder / "kernels.py").write_text(text)
-    places = {"JAWENV_CACHE_DIR": str(cache), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
-    command = [sys.executable, str(folder / "kernels.py")]
-    ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True, timeout=600)
+    ran = run(folder / "kernels.py", cache)
     return float(ran.stdout), "compiling" in ran.stderr
 
 
@@ -197,23 +198,16 @@ def test_kernels_without_their_sources(tmp_path: Path) -> None:
     (tmp_path / "jawenv" / "__init__.py").touch()
     text = CONSTANT.replace("FACTOR * x", "cross((x, 0.0, 0.0), (0.0, 2.0, 0.0))[2]")
     (tmp_path / "kernels.py").write_text("from jawenv.kernels.vec3 import cross\n" + text)
-    compileall = [sys.executable, "-m", "compileall", "-q", "-b", str(tmp_path)]
-    subprocess.run(compileall, check=True, timeout=600)
+    python("-m", "compileall", "-q", "-b", tmp_path)
     for source in tmp_path.rglob("*.py"):
         source.unlink()
-    places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
-    command = [sys.executable, str(tmp_path / "kernels.pyc")]
-    ran = subprocess.run(
-        command, env=os.environ | places, capture_output=True, text=True, cwd=tmp_path, check=True, timeout=600
-    )
+    ran = run(tmp_path / "kernels.pyc", tmp_path / "cache", sources=tmp_path, cwd=tmp_path)
     assert float(ran.stdout) == 3.0
 
 
 def test_compilation_that_is_switched_off_is_told_in_one_line() -> None:
-    command = [sys.executable, "-c", "import gymnasium, jawenv; gymnasium.make('jawenv/JawHinge-v3')"]
-    ran = subprocess.run(
-        command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, timeout=600
-    )
+    code = "import gymnasium, jawenv; gymnasium.make('jawenv/JawHinge-v3')"
+    ran = python("-c", code, env={"NUMBA_DISABLE_JIT": "1"}, check=False)
     assert ran.returncode == 1 and "InputError: NUMBA_DISABLE_JIT is set; allowed" in ran.stderr.splitlines()[-1]
 
 
@@ -246,35 +240,16 @@ for name in sys.argv[1:]:
 def test_a_kernel_has_machine_code_only_where_python_calls_it(tmp_path: Path) -> None:
     """Its form for other kernels is read from the cache by one that is compiled later, in another process."""
     (tmp_path / "kernels.py").write_text(LINKED)
-    places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
 
-    def run(name: str) -> tuple[float, set[str]]:
-        command = [sys.executable, str(tmp_path / "kernels.py"), name]
-        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True, timeout=600)
+    def forms_after(name: str) -> tuple[float, set[str]]:
+        ran = run(tmp_path / "kernels.py", tmp_path / "cache", name)
         folders = [file.parent.name for file in (tmp_path / "cache").rglob("*.kernel")]
         forms = {f"{folder.split('-')[0].split('.')[-1]}{'+' * folder.endswith('-linked')}" for folder in folders}
         return float(ran.stdout), forms
 
-    assert run("outer") == (3.0, {"outer", "inner+"})
-    assert run("other") == (1.0, {"outer", "other", "inner+"})
-    assert run("inner") == (2.0, {"outer", "other", "inner+", "inner"})
-
-
-def test_a_kernel_for_other_kernels_is_kept_as_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """LLVM's objects of all kernels of one model take 150 MB."""
-    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
-
-    @njit
-    def inner(x):
-        return 2.0 * x
-
-    @njit
-    def outer(x):
-        return inner(x) + 1.0
-
-    assert outer(1.0) == 3.0
-    (inner_code,) = [found.library for found in inner._inner.overloads.values()]
-    assert inner_code._module is None and inner_code._final_module is not inner_code._final_module
+    assert forms_after("outer") == (3.0, {"outer", "inner+"})
+    assert forms_after("other") == (1.0, {"outer", "other", "inner+"})
+    assert forms_after("inner") == (2.0, {"outer", "other", "inner+", "inner"})
 
 
 @pytest.mark.parametrize("collects", [True, False])

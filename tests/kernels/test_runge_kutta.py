@@ -5,15 +5,7 @@ import pytest
 from numba.core.errors import TypingError
 
 from jawenv.kernels.compiled import njit, njit_within
-from jawenv.kernels.runge_kutta import (
-    STAGES,
-    plus,
-    runge_kutta_step,
-    set_state,
-    stage_place,
-    stage_reach,
-    stage_weight,
-)
+from jawenv.kernels.runge_kutta import plus, runge_kutta_step, set_state, stage_place
 
 
 @njit_within
@@ -48,17 +40,6 @@ def error(steps, seconds=2.0):
 def test_half_the_step_has_a_sixteenth_of_the_error():
     for steps in (40, 80):
         assert error(steps) / error(2 * steps) == pytest.approx(16.0, rel=0.1)
-
-
-def test_the_tableau_is_consistent():
-    weights = [stage_weight(stage, 1.0) for stage in range(STAGES)]
-    places = [stage_place(stage) for stage in range(STAGES)]
-    assert sum(weights) == pytest.approx(1.0)
-    # A stage lies as far into the step as the reach of the one before.
-    assert places == [0.0, *(stage_reach(stage, 1.0) for stage in range(STAGES - 1))]
-    # Conditions of order 2 to 4 on a rate that depends on time alone.
-    for power in (1, 2, 3):
-        assert np.dot(weights, np.power(places, power)) == pytest.approx(1.0 / (power + 1))
 
 
 @njit

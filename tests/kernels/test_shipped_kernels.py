@@ -1,9 +1,7 @@
 """Kernels that a wheel brings: taken where they fit sources and processor, and else compiled as ever."""
 
-import os
 import platform
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,6 +12,7 @@ import jawenv
 from jawenv.base.errors import InputError
 from jawenv.kernels import cache
 from research.kernels import make_cache, ship_cache
+from tests.processes import python
 
 HAS = {name for name, has in binding.get_host_cpu_features().items() if has}
 REACHED = [level for level, needs in cache.LEVELS.items() if {need[1:] for need in needs.split(",")} <= HAS]
@@ -46,10 +45,7 @@ def run(folder: Path, shipped: Path, **environment: str) -> tuple[str, str]:
         "JAWENV_KERNELS_DIR": str(shipped),
         "PYTHONPATH": f"{Path(jawenv.__file__).parents[1]}:{folder}",
     }
-    command = [sys.executable, "-c", USE]
-    ran = subprocess.run(
-        command, env=os.environ | places | environment, capture_output=True, text=True, check=True, timeout=600
-    )
+    ran = python("-c", USE, env=places | environment)
     return ran.stdout, ran.stderr
 
 

@@ -1,8 +1,5 @@
 """The plant in the sagittal plane: its coordinates, its forces and what its contacts do."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 import sagittal_plane as plane
@@ -27,18 +24,6 @@ def weightless(jaw):
     """The jaw without weight, and muscles that hardly pull: what is left is contact."""
     jaw["gravity"] = jaw["tone"] = 0.0
     return jaw, plane.muscles((1e-9, 7.0))
-
-
-def test_pymunk_waits_until_it_is_used():
-    code = "import jawenv, jawenv.mechanics, sys; sys.exit('pymunk' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], timeout=600).returncode == 0
-
-
-def test_state_is_what_was_placed(jaw):
-    state = np.array([4e-3, -3e-3, 0.2, 0.01, -0.02, 0.3])
-    sagittal = plant(jaw)
-    sagittal.place(state)
-    np.testing.assert_allclose(sagittal.state, state, atol=1e-15)
 
 
 def test_mouthpiece_moves_as_the_kinematics_say(jaw):

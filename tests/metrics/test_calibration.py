@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import chi2, multivariate_normal
 
@@ -17,13 +17,6 @@ def draw(seed, size=5):
 
 def test_nees_by_hand():
     assert nees(np.array([1.0, 2.0]), np.diag([4.0, 16.0])) == pytest.approx(0.5)
-
-
-@given(seeds)
-def test_nees_does_not_change_under_a_linear_map(seed):
-    error, _, cov, rng = draw(seed)
-    change = rng.standard_normal((5, 5)) + 4.0 * np.eye(5)
-    np.testing.assert_allclose(nees(change @ error, change @ cov @ change.T), nees(error, cov), rtol=1e-6)
 
 
 @given(seeds)
@@ -49,17 +42,6 @@ def test_the_gap_is_half_the_difference_of_the_nees(seed):
     gap = claimed_information(cov, prior_sd) - true_information(truth, mean, cov, prior_mean, prior_sd)
     expected = 0.5 * (nees(mean - truth, cov) - nees(prior_mean - truth, np.diag(prior_sd**2)))
     np.testing.assert_allclose(gap, expected, rtol=1e-7, atol=1e-8)
-
-
-@given(seeds, st.floats(0.01, 0.99))
-@settings(max_examples=50)
-def test_claiming_too_much_never_raises_the_expected_true_information(seed, shrink):
-    """Proper score: the exact covariance is the best claim when errors are drawn from it."""
-    _, mean, cov, rng = draw(seed)
-    errors = np.linalg.cholesky(cov) @ rng.standard_normal((5, 4000))
-    truths, prior_mean, prior_sd = mean + errors.T, np.zeros(5), np.ones(5)
-    honest = true_information(truths, mean, cov, prior_mean, prior_sd).mean()
-    assert true_information(truths, mean, cov * shrink**2, prior_mean, prior_sd).mean() <= honest + 0.15
 
 
 def test_claimed_information_by_hand():

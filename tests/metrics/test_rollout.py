@@ -76,17 +76,6 @@ def test_the_alarm_is_recorded_and_rings_where_the_readings_do_not_fit():
     assert jawenv.score(misled).rings.mean() >= 0.5 and "do not fit the model" in jawenv.score(misled).alarm
 
 
-def test_given_patients_are_played(recording):
-    patients = [jawenv.cohort("severe").draw(np.random.default_rng(seed)) for seed in range(2)]
-    played = play(OPEN, patients=patients, seed=0, env_kwargs=SHORT)
-    np.testing.assert_allclose(played.truth, [patient.log_parameters() for patient in patients])
-
-
-def test_patients_and_seed_may_be_numpys_numbers(recording):
-    again = play(OPEN, patients=np.int64(3), seed=np.int64(5), env_kwargs=SHORT)
-    np.testing.assert_array_equal(again.truth, recording.truth)
-
-
 def test_patients_may_be_files_and_mappings(tmp_path):
     patient = jawenv.cohort("severe").draw(np.random.default_rng(1))
     patient.save(tmp_path / "patient.json")

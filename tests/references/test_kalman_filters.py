@@ -8,11 +8,7 @@ import pytest
 from recorded import held, recording
 
 from jawenv.references.extended_kalman import ExtendedKalman
-from jawenv.references.filterpy_filters import (
-    FilterpyExtendedKalman,
-    FilterpyUnscentedKalman,
-    _symmetric_root,
-)
+from jawenv.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman, _symmetric_root
 from jawenv.references.initial import parameter_noise
 
 

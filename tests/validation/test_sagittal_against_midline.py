@@ -52,11 +52,6 @@ def test_error_falls_with_the_length_of_the_segments(jaw, reference):
     assert (found[1:] < 0.6 * found[:-1]).all()
 
 
-def test_error_hardly_depends_on_the_step(jaw, reference):
-    found = [errors(opened(jaw, friction=0.0, step=step), reference) for step in (2e-3, 0.25e-3)]
-    assert np.abs(found[0] - found[1]).max() < 0.001
-
-
 def test_friction_delays_opening_and_closing(jaw):
     """Measured lag of opening behind force between the ways at 2.5 N: 0.22 mm without, 0.43 mm with 0.0145.
 
