@@ -8,9 +8,6 @@ import numpy as np
 from jawenv.filter.belief.state import begin_belief, begin_motion, shared_columns
 from jawenv.filter.model.encoders import measure
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
-from jawenv.filter.readings.lasting import add_lasting_noise
-from jawenv.filter.readings.screening import is_resolved
-from jawenv.filter.readings.teeth import NEAR, add_tooth_noise, bite_of, bite_read, forget_motion
 from jawenv.filter.updates.instrument import FIRST_READINGS
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_motion
@@ -24,36 +21,23 @@ ALL = np.ones(12, dtype=np.uint8)
 class Running:
     """The filter's motion and information along a record, at a belief that stays ``log_parameters``.
 
-    ``teeth``: with the uncertainty of their force, and learning from resolved ticks alone, as in an episode.
     ``early``: as at the first readings of an episode.
     """
 
-    def __init__(self, record, log_parameters=None, teeth=False, early=True):
-        self.record, self.size, self.teeth = record, len(record.start_mean), teeth
+    def __init__(self, record, log_parameters=None, early=True):
+        self.record, self.size = record, len(record.start_mean)
         run = FilterRun(record)
         _, self.belief, _, self.settings, self.scratch = run.arguments
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.settings["basis"], self.belief, theta, record.prior.sd.copy())
         begin_motion(self.belief, record.start_mean.copy(), record.start_sd.copy())
         self.belief["readings"] = 0 if early else FIRST_READINGS
-        self.resolved = True
         self.columns = self.belief["nominal"].size + shared_columns(0)  # the rest is zero
 
     def predict(self, k):
         record = self.record
         noise = record.noise_variance[:N_WRENCH].copy()
-        if self.teeth:
-            add_tooth_noise(bite_of(record.jaw, self.belief["motion"]), noise)
-            bite = bite_of(record.jaw, self.belief["motion"], NEAR)
-            add_lasting_noise(record.jaw, self.belief, self.settings, noise)
-        before = self.belief["motion"].copy()
         predict_motion(record.jaw, self.belief, record.samples[k], noise, self.settings, self.scratch["time"])
-        if self.teeth:
-            bite = max(bite, bite_of(record.jaw, self.belief["motion"], NEAR))
-            bite = max(bite, bite_read(record.jaw, record.measured[k + 1], NEAR))
-            self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"], bite > 0.0)
-            if self.belief["near"] > 0:
-                forget_motion(record.jaw, self.belief, before, self.settings["start_sd"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
         follow_trend(self.belief["smoothed"], record.samples[k], record.dt, SMOOTHING_TIME)
 
@@ -68,7 +52,7 @@ class Running:
 
     def take(self, measured, used=ALL):
         scratch = self.scratch["update"]
-        return update_motion(self.record.jaw, self.belief, measured, used, float(self.resolved), self.settings, scratch)
+        return update_motion(self.record.jaw, self.belief, measured, used, 1.0, self.settings, scratch)
 
     def expected(self):
         """(12,) readings to measure."""

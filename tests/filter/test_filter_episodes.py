@@ -79,10 +79,7 @@ def agent_named(name, control):
 
 @pytest.mark.parametrize(
     ("name", "control"),
-    [
-        *((name, "force") for name in (*MOVING, "random", "ou_quick")),
-        *((name, "trajectory") for name in MOVING),
-    ],
+    [*((name, "force") for name in (*MOVING, "random", "ou_quick")), *((name, "trajectory") for name in MOVING)],
 )
 def test_what_the_filter_claims_is_so(name, control):
     """NEES/12 of 0.82 to 1.2, an honest filter's in all but a thousandth of such tests; coverage of one and two sds."""

@@ -96,15 +96,12 @@ def test_what_takes_all_as_exact_refuses_a_record_that_does_not(estimate, told):
         estimate(record)
 
 
-@pytest.mark.parametrize("fields", [{"disturbance_time_s": -1.0}, {"disturbance_sd": np.full(6, np.nan)}])
-def test_a_disturbance_that_cannot_be_is_refused(fields):
+@pytest.mark.parametrize(
+    "fields", [{"disturbance_time_s": -1.0}, {"disturbance_sd": np.full(6, np.nan)}, {"force_sensor": "spring"}]
+)
+def test_a_record_that_cannot_be_is_refused(fields):
     with pytest.raises(InputError):
         replace(played("jawenv/Jaw-v3", False).records[0], **fields)
-
-
-def test_an_unknown_force_sensor_is_refused():
-    with pytest.raises(InputError):
-        replace(played("jawenv/Jaw-v3", False).records[0], force_sensor="spring")
 
 
 def believing(record):

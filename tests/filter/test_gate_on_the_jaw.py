@@ -8,11 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded import SWINGS, share
-from running import Running
 
 import jawenv
 from agents import load_agent
-from jawenv.filter.updates.measurement_update import REFUSED
 from jawenv.metrics.calibration import nees_band
 from jawenv.recordings.record_filter import FilterRun, filter_record
 
@@ -38,29 +36,6 @@ def filtered(record):
 
 def test_honest_ticks_pass():
     assert [int(belief["gated"]) for _, belief, _, _ in sound()] == [0] * 4
-
-
-@pytest.mark.parametrize("channel", [0, 2], ids=["forward", "up"])
-def test_a_glitch_of_a_centimetre_is_refused_and_tells_nothing(channel):
-    """The motion's covariance grows and the motion follows; neither information nor score change by a bit."""
-    record = sound()[0][0]
-    running = Running(record).run(200)
-    running.predict(200)
-    predicted = running.belief.copy()
-    measured = record.measured[201].copy()
-    measured[channel] += GLITCH
-    assert running.take(measured) == REFUSED
-    belief = running.belief
-    for name in ("information", "score"):
-        np.testing.assert_array_equal(belief[name], predicted[name])
-    honest = Running(record).run(201)
-    wider = np.sqrt(np.diag(belief["motion_cov"]) / np.diag(honest.belief["motion_cov"]))
-    assert (wider > 1.0).all() and wider.max() > 3.0
-    assert np.linalg.eigvalsh(belief["motion_cov"]).min() > 0.0
-    running.run_on(201, 240)
-    honest.run_on(201, 240)
-    sd = np.sqrt(np.diag(honest.belief["motion_cov"]))
-    assert (np.abs(belief["motion"] - honest.belief["motion"]) < 3.0 * sd).all(), "0.4 s later it is forgotten"
 
 
 @settings(max_examples=12, deadline=None, derandomize=True, database=None)

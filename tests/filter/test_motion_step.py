@@ -99,14 +99,6 @@ def off(actual, expected, dt):
     return np.linalg.norm(scaled(actual - expected, dt), 2) / np.linalg.norm(scaled(expected, dt), 2)
 
 
-def test_the_motion_is_runge_and_kuttas(rng):
-    for _ in range(10):
-        theta, state, samples = drawn(rng)
-        moved, _ = MIDLINE.by_kernel(theta, state, samples, DT)
-        expected, _ = MIDLINE.path(theta, state, samples, DT, MIDLINE.parts(theta, state, DT))
-        np.testing.assert_allclose(moved, expected, rtol=1e-10, atol=1e-12)
-
-
 def test_the_motion_alone_is_the_same_to_rounding_and_leaves_no_derivative(rng):
     theta, state, samples = drawn(rng)
     moved, _ = MIDLINE.by_kernel(theta, state, samples, DT)
@@ -115,31 +107,6 @@ def test_the_motion_alone_is_the_same_to_rounding_and_leaves_no_derivative(rng):
     move(MIDLINE.jaw, alone, samples, DT, False, MIDLINE.scratch)
     np.testing.assert_allclose(alone, moved, rtol=1e-12, atol=1e-14)
     np.testing.assert_array_equal(MIDLINE.scratch["total"], 7.0)
-
-
-def test_the_derivative_is_the_exponential_of_one_jacobian(rng):
-    """But for what a series to the fourth order leaves out: of a step half as long an eighth and less."""
-    wrong = {MIDLINE.short: [], 0.5 * MIDLINE.short: []}
-    for _ in range(8):
-        theta, state, samples = drawn(rng)
-        for dt, errors in wrong.items():
-            parts = MIDLINE.parts(theta, state, dt)
-            _, middles = MIDLINE.path(theta, state, samples, dt, parts)
-            expected = MIDLINE.frozen(theta, middles, dt)
-            errors.append(off(MIDLINE.by_kernel(theta, state, samples, dt)[1], expected, dt))
-    first, second = (np.array(errors) for errors in wrong.values())
-    assert first.max() < 1e-2
-    assert np.median(second) < np.median(first) / 7.0
-
-
-def test_the_series_has_four_terms(rng):
-    """At the filter's own step."""
-    for _ in range(8):
-        theta, state, samples = drawn(rng)
-        parts = MIDLINE.parts(theta, state, DT)
-        _, middles = MIDLINE.path(theta, state, samples, DT, parts)
-        expected = MIDLINE.frozen(theta, middles, DT, four_terms)
-        assert off(MIDLINE.by_kernel(theta, state, samples, DT)[1], expected, DT) < 1e-8
 
 
 def test_the_derivative_is_that_of_the_motion_but_for_the_frozen_jacobian(rng):

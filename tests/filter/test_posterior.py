@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from test_tension_basis import lagrange
 
 import jawenv
 from jawenv.anatomy import known_muscle_sets
@@ -18,7 +19,7 @@ from jawenv.filter.belief.posterior import (
 )
 from jawenv.filter.belief.state import begin_belief, belief_dtype, filter_settings_dtype
 from jawenv.filter.model.basis import N_NODES, build_basis, expand_coefficients
-from jawenv.kernels.cholesky import invert_positive, set_root
+from jawenv.kernels.cholesky import invert_positive
 from jawenv.mechanics import build_jaw
 
 
@@ -42,14 +43,7 @@ class Problem:
         self.information, self.score = np.zeros((self.size + 1, self.size + 1)), np.zeros(self.size + 1)
 
     def coefficients(self, theta):
-        """(m, K) by the definition, for complex arguments."""
-        F_o, b, c = np.exp(theta[0::2]), np.exp(theta[1::2]), np.empty((self.muscles, self.nodes), dtype=complex)
-        for i, nodes in enumerate(self.basis["nodes"]):
-            for k, node in enumerate(nodes):
-                others = np.delete(nodes, k)
-                weight = np.prod((b[i] - others) / (node - others))
-                c[i, k] = F_o[i] * np.exp(b[i] * self.basis["centre"][i]) * weight
-        return c
+        return lagrange(self.basis, theta)
 
     def slope(self, theta):
         """(mK, p) derivative of the coefficients."""
@@ -122,26 +116,6 @@ def half_trace(twice, covariance):
     return 0.5 * np.einsum("aij,jk,bkl,li->ab", H, covariance, H, covariance, optimize=True)
 
 
-def spread_out(twice):
-    """T (mK, 3 m) with the muscles' second derivatives in blocks."""
-    muscles, nodes, _ = twice.shape
-    T = np.zeros((muscles * nodes, 3 * muscles))
-    for i in range(muscles):
-        T[nodes * i : nodes * (i + 1), 3 * i : 3 * i + 3] = twice[i]
-    return T
-
-
-def test_omega_is_half_the_trace(rng):
-    problem = Problem("whole")
-    twice, P, G = rng.normal(size=(6, N_NODES, 3)), definite(rng, 12), np.empty((18, 18))
-    set_omega(P, G)
-    T, expected = spread_out(twice), half_trace(twice, P)
-    np.testing.assert_allclose(T @ G @ T.T, expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())
-    np.testing.assert_array_equal(G, G.T)
-    assert np.linalg.eigvalsh(G)[0] > -1e-12 * np.linalg.eigvalsh(G)[-1]
-    assert problem.scratch["omega"].shape == G.shape
-
-
 class Linearised(Problem):
     """One linearisation: any Lambda = B B^T, any second derivatives, any covariance; what the kernels make of them."""
 
@@ -175,10 +149,7 @@ class Linearised(Problem):
         B, J, Omega = self.root, first_derivatives(self.twice), half_trace(self.twice, self.covariance)
         rest = np.linalg.inv(np.eye(B.shape[1]) + B.T @ Omega @ B)
         gradient = J.T @ (self.score[:-1] - B @ (rest @ (B.T @ (Omega @ self.score[:-1]))))
-        return (
-            J.T @ B @ rest @ B.T @ J + np.diag(self.sd**-2.0),
-            gradient + (self.mean - self.at) / self.sd**2,
-        )
+        return (J.T @ B @ rest @ B.T @ J + np.diag(self.sd**-2.0), gradient + (self.mean - self.at) / self.sd**2)
 
 
 def agree(actual, expected, tolerance):
@@ -245,15 +216,6 @@ def test_the_precision_stays_positive_definite(seed, rank, information, bend, na
     assert invert_positive(precision, covariance)
     believed = np.linalg.eigvalsh(covariance / np.outer(drawn.sd, drawn.sd))
     assert believed[0] > 0.0 and believed[-1] < 1.0 + 1e-6
-
-
-def test_root_of_a_semidefinite_matrix(rng):
-    for rank in (1, 4, 9):
-        factor = rng.normal(size=(9, rank))
-        matrix, root = factor @ factor.T, np.full((9, 9), np.nan)
-        set_root(matrix, root)
-        np.testing.assert_allclose(root @ root.T, matrix, rtol=0, atol=1e-6 * matrix.max())
-        np.testing.assert_array_equal(root, np.tril(root))
 
 
 def test_what_it_converges_to_is_its_own_linearisation(rng):
@@ -339,24 +301,6 @@ def test_along_a_curved_ridge(share):
     assert 0.7 < believed / width < 1.8
     assert flat < 0.15 * width, "the tangent plane leaves the ridge"
     assert np.linalg.solve(tangent, exact).trace() > 5.0 * honest
-
-
-def test_inverse_of_a_positive_definite_matrix(rng):
-    for size in (1, 2, 12, 24):
-        matrix = definite(rng, size)
-        work, inverse = matrix.copy(), np.empty((size, size))
-        assert invert_positive(work, inverse)
-        np.testing.assert_allclose(inverse, np.linalg.inv(matrix), rtol=1e-9, atol=1e-12)
-        np.testing.assert_array_equal(inverse, inverse.T)
-
-
-@pytest.mark.parametrize("bad", [0.0, -1.0, np.nan])
-def test_other_matrices_have_none(rng, bad):
-    matrix = definite(rng, 6)
-    values, vectors = np.linalg.eigh(matrix)
-    values[0] = bad
-    work = vectors @ np.diag(values) @ vectors.T if bad != 0.0 else np.diag([1.0, 0.0, 1.0, 1.0, 1.0, 1.0])
-    assert not invert_positive(work, np.empty((6, 6)))
 
 
 @pytest.mark.parametrize("bad", [-1e6, np.nan, np.inf])

@@ -77,15 +77,6 @@ def test_the_separated_filter_is_the_joint_one(early, rng):
     np.testing.assert_array_equal(running.belief["score"][running.columns :], 0.0)
 
 
-def test_the_encoders_rows_are_those_of_an_independent_model(rng):
-    running = Running(recording("jaw").records[0])
-    for _ in range(10):
-        running.belief["motion"] = running.record.start_mean + 1e-2 * rng.normal(size=running.size)
-        running.expected()
-        expected = rows_of(running.record.jaw, running.belief["motion"])
-        np.testing.assert_allclose(running.scratch["update"]["rows"], expected, rtol=1e-9, atol=1e-12)
-
-
 def test_motion_and_score_of_another_patient_from_those_of_this_one(rng):
     """Finite differences: run at other parameters, or run and moved there by ``recentre``.
 

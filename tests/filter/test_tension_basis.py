@@ -67,25 +67,6 @@ def test_the_sum_is_the_exponential_but_for_the_stated_remainder(cohort, away, s
     assert (np.abs(summed / tension - 1.0) <= 1.001 * remainder + 1e-11).all()
 
 
-def test_for_likely_patients_the_remainder_is_as_small_as_stated(rng):
-    """Exponents of 7 within 30 %: 5e-5 of a tension, root mean square."""
-    basis, wrong = basis_of("trismus"), []
-    for _ in range(300):
-        theta, strain = jawenv.cohort("trismus").draw_log_parameters(rng), rng.uniform(-STRAIN, STRAIN)
-        exact = np.exp(theta[0::2] + np.exp(theta[1::2]) * (basis["centre"] + strain))
-        wrong.append(np.sum(coefficients(basis, theta) * np.exp(basis["nodes"] * strain), axis=1) / exact - 1.0)
-    assert np.sqrt(np.mean(np.square(wrong))) < 5e-5
-
-
-@pytest.mark.parametrize("cohort", ["trismus", "wide"])
-def test_the_coefficients_are_lagranges(cohort, rng):
-    basis = basis_of(cohort)
-    for _ in range(10):
-        theta = jawenv.cohort(cohort).draw_log_parameters(rng)
-        expected = lagrange(basis, theta).real
-        np.testing.assert_allclose(coefficients(basis, theta), expected, rtol=0, atol=1e-9 * np.abs(expected).max())
-
-
 def expand(basis, theta, covariance):
     n, K = basis["nodes"].shape
     c, twice = np.empty((n, K)), np.empty((n, K, 3))

@@ -27,10 +27,6 @@ def wrench(jaw, q, tensions):
     return np.concatenate([forces.sum(axis=0), np.cross(INSERTION - jaw["mouthpiece"], forces).sum(axis=0)])
 
 
-def test_none_by_default(jaw):
-    assert not push(jaw, OPEN).any()
-
-
 def test_a_scar_is_slack_at_rest_and_pulls_on_one_side_when_the_jaw_opens(jaw):
     assert not push(jaw, np.zeros(5), scar_stiffness_N_m=1000.0).any()
     longer = lengths(jaw, OPEN)[0][0] - SCAR_SLACK * lengths(jaw, np.zeros(5))[0][0]

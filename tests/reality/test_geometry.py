@@ -92,16 +92,3 @@ def test_the_fossa_errs_and_its_crest_follows(rng):
     np.testing.assert_allclose(jaws["crest"], np.pi / jaws["fossa_frequency"], rtol=1e-15)
     assert abs(np.corrcoef(jaws["fossa_drop"], jaws["fossa_frequency"])[0, 1]) < 5 / np.sqrt(DRAWS)
     assert np.array_equal(jaws["origin"][0], before["origin"])
-
-
-def test_either_error_is_the_same_with_or_without_the_other():
-    alone, other, both = (
-        drawn("whole", np.random.default_rng(7), draws=1, **options)[0]
-        for options in (
-            {"attachment_error": 0.3},
-            {"fossa_error": 0.1},
-            {"attachment_error": 0.3, "fossa_error": 0.1},
-        )
-    )
-    assert np.array_equal(alone["origin"], both["origin"])
-    assert other["fossa_drop"] == both["fossa_drop"]

@@ -1,27 +1,10 @@
 """The options: everything is off by default, and an effect that is off changes nothing."""
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 from scipy.stats import norm
 
 from jawenv.reality import Reality
-
-SHAPES = {  # of effects that may be off
-    "reflex_latency_ms",
-    "reflex_lag_ms",
-    "guarding_onset",
-    "creep_time_s",
-    "creep_slow_time_s",
-    "swallow_every_s",
-    "articular_onset",
-}
-
-
-def test_every_effect_is_off_by_default():
-    for field in fields(Reality):
-        assert (field.default == 0.0) != (field.name in SHAPES)
 
 
 def test_shares_are_thresholds_of_a_normal():

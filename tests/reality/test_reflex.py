@@ -88,10 +88,3 @@ def test_a_lift_stretches_what_it_raises(jaw, rng):
     strain = lengths / jaw["l_o"] - 1.0
     held = tissue.effective[:, 0] * np.exp(tissue.effective[:, 1] * strain)
     np.testing.assert_allclose(held, passive + GAIN * LAG * rises, rtol=1e-9)
-
-
-def test_a_new_episode_begins_without_tension_left_over(jaw, rng):
-    tissue = Tissue(jaw, drawn_muscles(rng), reflex_gain=GAIN)
-    for name in ("delay", "activation", "creep"):
-        assert np.all(tissue.state[name] == 0.0)
-    assert np.all(np.isfinite(tissue.tick(REST, STILL)))

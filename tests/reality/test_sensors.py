@@ -1,7 +1,6 @@
 """Load cell with an offset, encoders with play."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from reality_states import Tissue, drawn_muscles
@@ -65,11 +64,3 @@ def test_the_bias_is_constant_within_an_episode(jaw, rng):
         biased(tissue.state, samples)
         expected = normals * np.repeat([0.2, 0.003], 3)
         np.testing.assert_allclose(samples - clean, np.tile(expected, (3, 1)), atol=1e-15)
-
-
-def test_either_bias_alone(jaw, rng):
-    normals = np.ones(6)
-    force = Tissue(jaw, drawn_muscles(rng), normals=normals, cell_bias_N=0.2).state["bias"]
-    moment = Tissue(jaw, drawn_muscles(rng), normals=normals, cell_bias_N_m=0.003).state["bias"]
-    assert force == pytest.approx([0.2] * 3 + [0.0] * 3)
-    assert moment == pytest.approx([0.0] * 3 + [0.003] * 3)
