@@ -1,7 +1,6 @@
 """What a hostile web page may do: real handshakes and messages, as a browser on this machine would send them for it."""
 
 import socket
-import time
 import urllib.error
 import urllib.request
 from types import SimpleNamespace
@@ -15,6 +14,7 @@ from websockets.sync.client import connect
 from jawenv.live.page import Page
 from jawenv.live.server import serving, url_of
 from jawenv.live.setup import Setup
+from tests.live.test_live_page import wait_until
 
 CAMERA = {
     "type": "ViewerCameraMessage",
@@ -128,13 +128,6 @@ def browser(live):
     sender = Browser(live)
     yield sender
     sender.socket.close()
-
-
-def wait_until(condition, seconds=20.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.01)
 
 
 def test_a_share_request_opens_no_connection(live, browser, monkeypatch):

@@ -6,7 +6,6 @@ import pytest
 from eval.kept.entries import load_entries
 from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.base.errors import InputError
-from jawenv.live.drive_file import maneuver_of_drive
 from jawenv.live.outcome import DriveOutcome, outcomes_of_rivals
 from jawenv.live.playback import Playback
 from jawenv.live.session import BY_HAND, DriveSession
@@ -146,14 +145,6 @@ def test_the_recording_of_a_drive_says_what_was_known(tmp_path, knowledge, force
     assert [path.suffix for path in paths] == [".yaml", ".csv"]
     record = load_record(paths[1])
     assert (record.knowledge, record.force_sensor) == (knowledge, force_sensor)
-
-
-def test_samples_on_a_line_are_left_out():
-    times = [0.05 * k for k in range(1, 41)]
-    targets = [np.array([min(t, 1.0), 0.0, np.sin(t), 0.0]) for t in times]
-    maneuver = maneuver_of_drive("straight", times, targets)
-    assert len(maneuver.channels.opening.points) == 3 and len(maneuver.channels.side.points) == 2
-    np.testing.assert_allclose(maneuver.targets(np.array(times)).value, targets, atol=3e-5)
 
 
 @pytest.mark.parametrize("targets", [[0.5, 0.0], "up", [-0.1, 0, 0, 0], [0, 0, 0, float("nan")]])

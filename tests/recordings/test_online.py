@@ -53,16 +53,6 @@ def test_a_records_readings_give_the_environments_belief_to_the_bit(faulty):
     assert any(belief.left_out > 0 for belief in beliefs[1:]) == faulty
 
 
-def test_the_environments_arguments_give_its_belief_to_the_bit():
-    """Of one point, with another device and cohort, and the motion before the first reading told."""
-    told = {"cohort": "healthy", "device": {"cell_force_N": 0.06, "encoder_position_mm": 0.2}, "sensors": "point"}
-    run = played(**told, control_hz=10.0)
-    record = run.records[0]
-    online = OnlineFilter(**told, every=10)
-    online.reset(record.start_mean)
-    same(fed(online, record.measured, record.samples), run.belief_mean[0], run.belief_cov[0], 10)
-
-
 def test_an_environments_configuration_gives_its_belief_to_the_bit():
     """Its anatomy and the ticks of its control step are in it; what is told by name comes before it."""
     anatomy = {"mandible": {"mass_kg": 0.3}}
@@ -135,14 +125,6 @@ def test_a_reset_forgets_all():
     same(again, [belief.log_mean for belief in first], [belief.log_cov for belief in first], 1)
     assert [belief.misfit for belief in again] == [belief.misfit for belief in first]
     assert not np.shares_memory(again[-1].log_mean, again[-2].log_mean)
-
-
-def test_what_is_refused_is_counted():
-    record = played().records[0]
-    measured = record.measured.copy()
-    measured[200, :3] += 0.05
-    last = fed(OnlineFilter.of_record(record), measured, record.samples)[-1]
-    assert last.gated >= 1 and type(last.gated) is int and type(last.misfit) is float
 
 
 def memory():

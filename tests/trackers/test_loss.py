@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from jawenv.base.errors import InputError
-from jawenv.commands.app import main
 from jawenv.recordings.files import load_record
 from jawenv.trackers import importing
 from jawenv.trackers.importing import ImportSettings, import_file
 from tests import tracker_files as files
-from tests.recorded import opening
 
 
 def asked(folder, scale=1.0):
@@ -59,36 +57,6 @@ def test_an_output_is_no_input(tmp_path, link):
     with pytest.raises(InputError, match="is read as .*forces.csv; allowed: an output that is no input"):
         import_file(tmp_path / "chew.trc", output, ImportSettings(**settings))
     assert output.read_bytes() == before
-
-
-def test_the_options_that_messages_name_are_there(tmp_path, capsys):
-    """--resample and --columns, for a recording with times and names of its own."""
-    record = opening().records[0]
-    rows = np.column_stack([record.time + 0.002 * np.sin(7e3 * record.time), *1e3 * record.measured[:, :3].T])
-    rows = np.column_stack([rows, np.degrees(record.measured[:, 3:6]), np.vstack([record.samples[:, 0], np.zeros(6)])])
-    angles = ("pitch_deg", "yaw_deg", "roll_deg")
-    places = [f"mouthpiece_{axis}_mm" for axis in "xyz"]
-    loads = [f"{kind}_{axis}_{unit}" for kind, unit in (("force", "N"), ("moment", "N_m")) for axis in "xyz"]
-    files.write_csv(tmp_path / "own.csv", dict(zip(["t", *places, *angles, *loads], rows.T, strict=True)))
-    (tmp_path / "map.toml").write_text(
-        "\n".join(
-            f'{name} = {{name = "{own}"}}'
-            for name, own in [("time_s", "t"), *((n, n) for n in [*places, *angles, *loads])]
-        )
-    )
-    given = [
-        "import",
-        str(tmp_path / "own.csv"),
-        "-o",
-        str(tmp_path / "out.mot"),
-        "--columns",
-        str(tmp_path / "map.toml"),
-    ]
-    assert main(given) == 2
-    assert "--resample HZ" in capsys.readouterr().err
-    assert main([*given, "--resample", "100"]) == 0
-    assert main(["import", str(tmp_path / "out.mot"), "--registered", "-o", str(tmp_path / "back.csv")]) == 0
-    assert load_record(tmp_path / "back.csv").dt == pytest.approx(0.01)
 
 
 def test_bursts_without_forces_are_missing_readings(tmp_path):

@@ -72,16 +72,6 @@ def replaced(old, new):
     return spoil
 
 
-def cut(keep):
-    """Truncates a file to so much of its length."""
-
-    def spoil(path):
-        content = path.read_bytes()
-        path.write_bytes(content[: int(keep * len(content))])
-
-    return spoil
-
-
 def written(write, *arguments):
     return lambda path: write(path, files.jaw(), *arguments)
 
@@ -121,15 +111,12 @@ UPSIDE_DOWN = "pitch_deg: -.* allowed: -5 to 45 deg"
         ("c3d", None, {"jaw": "J0,J1,J9"}, "is 'J9'; allowed: J0, J1"),
         ("c3d", None, {"jaw": "J0,J1,H2"}, "move .* mm against each other"),
         ("c3d", None, {"head": None}, "--head is missing; allowed: fixed, or markers among J0"),
-        ("c3d", cut(0.6), {}, r"a truncated file\?"),
         ("trc", written(files.write_trc, "ft"), {}, "has unit 'ft'; allowed: mm"),
         ("trc", replaced("J2\t", "\t"), {}, "has 5 markers; allowed: '6'"),
-        ("trc", cut(0.5), {}, r"row \d+ has \d+ values; allowed: 20|a truncated file"),
         ("hdf5", written(files.write_hdf5, "m"), {}, "the mouthpiece moves .* allowed: 2 to 100 mm"),
         ("hdf5", written(files.write_hdf5, None), {}, "states no unit of length; allowed: --unit"),
         ("hdf5", mirrored, {}, "mirror or scale; allowed: proper rotations"),
         ("hdf5", without("rotations"), {}, "data set 'rotations' is missing"),
-        ("hdf5", cut(0.7), {}, "allowed: a whole HDF5 file"),
         ("mot", replaced("inDegrees=yes", ""), {}, "inDegrees is ''; allowed: yes or no"),
         ("mot", replaced("mandible_rz", "mandible_tx"), {}, "a column stands there twice"),
         ("bids", beside("_channels.tsv", lambda path: path.write_text("")), {}, "column 'name' is missing"),
@@ -140,17 +127,10 @@ UPSIDE_DOWN = "pitch_deg: -.* allowed: -5 to 45 deg"
         ("bids", beside("_channels.json", replaced('{"lab": "fixed to the room"}', '"x"')), {}, "Levels is 'x'"),
         ("mot", None, {"unit": "mm"}, "the mouthpiece moves .* allowed: 2 to 100 mm"),
         ("mot", replaced("mandible_rx", "mandible_qx"), {}, "column 'mandible_rx' is missing"),
-        ("mot", cut(0.5), {}, r"row \d+ has \d+ values; allowed: 7|a truncated file"),
-        (
-            "mot",
-            None,
-            {"registered": True},
-            "the mouthpiece moves|mouthpiece_.* allowed: within 30 mm",
-        ),
+        ("mot", None, {"registered": True}, "the mouthpiece moves|mouthpiece_.* allowed: within 30 mm"),
         ("bids", written(files.write_bids, "furlong"), {}, "has unit 'furlong'; allowed: mm"),
         ("bids", beside("_channels.tsv", replaced("\tquat_w", "\tw")), {}, "channel of component 'quat_w' is missing"),
         ("bids", beside("_motion.json", replaced("100", "0")), {}, "SamplingFrequency is 0"),
-        ("bids", cut(0.501), {}, r"row \d+ has \d+ values; allowed: 7"),
         ("bids", None, {"registered": True}, "states no axes; allowed with --registered"),
         ("bids", None, {"registered": False}, "axes are not stated; allowed: one of --landmarks FILE"),
     ],

@@ -148,14 +148,9 @@ def test_a_smoothed_body_alone_is_asked_for(tmp_path):
         imported(tmp_path, "hdf5", rename)
 
 
-def as_table(moved):
-    turned, place = files.seen_jaw(moved)
-    return place, turned
-
-
 def test_storage_of_opensim_4_written_by_pandas(tmp_path):
     def write(path, moved):
-        place, turned = as_table(moved)
+        turned, place = files.seen_jaw(moved)
         names = [f"mandible_{end}" for end in ("tx", "ty", "tz", "rz", "ry", "rx")]
         table = pd.DataFrame(np.column_stack([place / 1e3, turned.as_euler("ZYX", degrees=True)]), columns=names)
         head = "inDegrees=Yes\nDataType=double\nversion=3\nOpenSimVersion=4.5\nendheader\n"
@@ -182,7 +177,7 @@ endheader
 @pytest.mark.parametrize(("title", "told"), [("Positions", ""), ("Velocities", "holds 'Velocities'; allowed: pos")])
 def test_body_kinematics_written_by_numpy(tmp_path, title, told):
     def write(path, moved):
-        place, turned = as_table(moved)
+        turned, place = files.seen_jaw(moved)
         table = np.column_stack([moved.time, place / 1e3, turned.as_euler("XYZ", degrees=True)])
         head = KINEMATICS.format(f"{title}\nversion=1\nnRows={len(table)}\nnColumns=7\ninDegrees=yes")
         names = "\t".join(["time", *(f"jaw_{end}" for end in ("X", "Y", "Z", "Ox", "Oy", "Oz"))])

@@ -9,14 +9,12 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from jawenv.anatomy import Prior, muscle_set
+from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError
 from jawenv.commands.app import main
-from jawenv.filter.nuisances.directions import directions
-from jawenv.filter.nuisances.unknowns import own_values
 from jawenv.recordings.files import save_record
 from jawenv.recordings.several.together import _Several, agreement, together
-from jawenv.recordings.untold.blocks import N_OF_DRIFT, N_OF_WRENCH, blocks_of
+from jawenv.recordings.untold.blocks import blocks_of
 
 SECONDS = 6.0
 
@@ -31,18 +29,6 @@ def played(patient, maneuver="opening_with_swings_and_fore_aft"):
 
 def both():
     return [played(0), played(0, "refined")]
-
-
-def test_the_patients_own_columns_are_those_of_the_anatomy():
-    record = played(0)
-    blocks = blocks_of(record, record.truth)
-    sds = directions(record.knowledge, muscle_set(), record.jaw, record.prior.mean)
-    own = np.array([own_values(values).any() for values in sds])
-    assert blocks.own.sum() == own.sum() > 30 and not blocks.own[0] and not blocks.own[-N_OF_WRENCH:].any()
-    np.testing.assert_array_equal(
-        blocks.own[1 : -N_OF_DRIFT - N_OF_WRENCH],
-        own[~np.isin(np.arange(len(own)), np.flatnonzero([np.any(values["wrench"]) for values in sds]))],
-    )
 
 
 def test_blocks_beside_each_other_share_muscles_and_anatomy_alone():
