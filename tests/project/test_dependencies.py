@@ -80,11 +80,7 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
         ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all", "sb3"]),
         ("agents", {"jawenv", "agents"}, ["all", "train"]),
         ("training", {"jawenv", "agents", "training"}, ["all", "train"]),
-        (
-            "eval",
-            {"jawenv", "agents", "training", "eval", "examples"},
-            ["all", "train", "eval", "cluster", "sbi"],
-        ),
+        ("eval", {"jawenv", "agents", "training", "eval", "examples"}, ["all", "train", "eval", "cluster", "sbi"]),
         ("research", {"jawenv", "agents", "eval", "tests"}, ["all", "train", "eval"]),
     ],
 )

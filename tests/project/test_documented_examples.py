@@ -5,12 +5,9 @@ Blocks run in the order of their page, in one namespace, with short episodes.
 
 import ast
 import functools
-import json
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -19,8 +16,7 @@ import gymnasium as gym
 import pytest
 import typer
 import yaml
-from documented import PAGES, ROOT, Block, blocks, needs_only_the_wheel
-from test_without_extras import BLOCKED
+from documented import PAGES, ROOT, Block, blocks
 
 import eval.commands.app
 import jawenv
@@ -33,31 +29,7 @@ from training.run.arguments import parameters_of
 from training.run.config import TrainingConfig
 
 EPISODE_S = 2.0
-NOT_OF_THE_WHEEL = {*BLOCKED, "rich", "agents", "training", "eval"} - {"yaml"}  # PyYAML is required by the wheel
 COMMANDS = {"eval": eval.commands.app.commands(), "training": training.cli.app}
-
-ALONE = """
-import json, sys
-
-class NotInstalled:
-    def find_spec(self, name, path=None, target=None):
-        if name.split(".")[0] in {blocked!r}:
-            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
-
-sys.meta_path.insert(0, NotInstalled())
-import gymnasium as gym, jawenv, jawenv.playing.rollout
-shortened = lambda make: lambda *given, **kwargs: make(*given, **({{"episode_s": {seconds}}} | kwargs))
-gym.make, gym.make_vec = shortened(gym.make), shortened(gym.make_vec)
-play = jawenv.playing.rollout.play
-jawenv.play = lambda *given, env_kwargs=None, **rest: play(
-    *given, env_kwargs={{"episode_s": {seconds}}} | (env_kwargs or {{}}), **rest
-)
-for page in json.loads(sys.stdin.read()):
-    names = {{}}
-    for place, text in page:
-        exec(compile(text, place, "exec"), names)
-        print("ran:", place)
-"""
 
 
 @pytest.fixture
@@ -107,19 +79,6 @@ def test_the_readmes_first_block_prints_what_stands_below_it(capsys: pytest.Capt
     printed = ast.literal_eval(capsys.readouterr().out)
     for name, sd in ast.literal_eval(said + "}").items():
         assert printed[name] == pytest.approx(sd, abs=0.002), name
-
-
-def test_examples_that_need_only_the_wheel_run_without_anything_else(tmp_path: Path) -> None:
-    chosen = [needs_only_the_wheel(page) for page in PAGES]
-    places = {block.place.split(":")[0] for found in chosen for block in found}
-    assert {"README.md", "docs/environment.md", "agents/README.md"} <= places
-    code = ALONE.format(blocked=NOT_OF_THE_WHEEL, seconds=EPISODE_S)
-    given = json.dumps([[(block.place, block.text) for block in found] for found in chosen])
-    ran = subprocess.run(
-        [sys.executable, "-c", code], input=given, capture_output=True, text=True, cwd=tmp_path, timeout=600
-    )
-    assert ran.returncode == 0, ran.stderr
-    assert ran.stdout.count("ran:") == sum(map(len, chosen))
 
 
 def test_a_maneuver_file_is_one(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ import ast
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -23,7 +22,6 @@ LARGEST = {
     "lines": 51_982,
     "files": 458,
     "functions": 2_986,
-    "longest chain of imports": 31,
 }
 STEP = """
 import gymnasium, jawenv
@@ -90,30 +88,6 @@ def loaded(code: str, folder: Path) -> int:
     return lines(sources().keys() & {Path(file).relative_to(ROOT).as_posix() for file in files if str(ROOT) in file})
 
 
-def imported(nodes: Iterator[ast.AST]) -> Iterator[str]:
-    """Files of this project that imports among the nodes name."""
-    names = {file.removesuffix(".py").removesuffix("/__init__").replace("/", "."): file for file in sources()}
-    for node in nodes:
-        if isinstance(node, ast.ImportFrom) and node.module:
-            for alias in node.names:
-                target = names.get(f"{node.module}.{alias.name}") or names.get(node.module)
-                if target is not None:
-                    yield target
-
-
-def longest_chain() -> int:
-    """Modules that import each other at their top, one after the other."""
-    chains: dict[str, int] = {}
-
-    def chain(file: str, above: tuple[str, ...] = ()) -> int:
-        if file not in chains:
-            targets = set(imported(iter(ast.parse(sources()[file]).body))) - {file, *above}
-            chains[file] = 1 + max((chain(target, (*above, file)) for target in targets), default=0)
-        return chains[file]
-
-    return max(chain(file) for file in sources())
-
-
 def functions() -> int:
     nodes = (node for text in sources().values() for node in ast.walk(ast.parse(text)))
     return sum(isinstance(node, ast.FunctionDef) for node in nodes)
@@ -123,7 +97,6 @@ COUNTS = {
     "lines": lambda folder: lines(set(sources())),
     "files": lambda folder: len(sources()),
     "functions": lambda folder: functions(),
-    "longest chain of imports": lambda folder: longest_chain(),
     "lines that a step loads": lambda folder: loaded(STEP, folder),
     "lines that eval compare loads": lambda folder: loaded(COMPARE, folder),
 }
@@ -146,4 +119,4 @@ def test_what_readme_loads(tmp_path):
 
 
 if __name__ == "__main__":
-    print(", ".join(f"{what}: {COUNTS[what](Path()):,}" for what in list(COUNTS)[:4]))
+    print(", ".join(f"{what}: {COUNTS[what](Path()):,}" for what in list(COUNTS)[:3]))

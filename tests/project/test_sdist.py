@@ -2,11 +2,12 @@
 
 import shutil
 import subprocess
-import sys
 import tarfile
 from pathlib import Path
 
 import pytest
+
+from tests.processes import python
 
 ROOT = Path(__file__).parents[2]
 STRAYS = (
@@ -38,7 +39,7 @@ def names(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
         (copy / name).parent.mkdir(parents=True, exist_ok=True)
         (copy / name).touch()
     (copy / "dist").mkdir()
-    subprocess.run([sys.executable, "-c", BUILD], cwd=copy, check=True, capture_output=True, timeout=120)
+    python("-c", BUILD, cwd=copy)
     (built,) = (copy / "dist").glob("*.tar.gz")
     with tarfile.open(built) as archive:
         return {member.name.split("/", 1)[1] for member in archive.getmembers() if member.isfile()}

@@ -1,9 +1,6 @@
 """The documentation's site is built without a warning, and everything that its pages name is there."""
 
-import io
 import re
-import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
@@ -12,13 +9,13 @@ import gymnasium as gym
 import nbformat
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from rich.console import Console
 
 import jawenv
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import KNOWN_WITHIN_SDS
 from tests.browser import new_page
+from tests.processes import python
 
 ROOT = Path(__file__).parents[2]
 SECTIONS = (
@@ -61,8 +58,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     made = ["docs/site/build.py", "--output", str(source)]
     for words in (made, ["-m", "mkdocs", "build", "--strict", "-f", str(config)]):
-        done = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True, timeout=300)
-        assert done.returncode == 0, done.stderr
+        python(*words, cwd=ROOT)
     return built
 
 
@@ -157,18 +153,3 @@ def test_a_notebooks_outputs_are_on_its_page(tmp_path: Path, monkeypatch: pytest
     assert "```python\n1 + 1\n```" in page
     assert "a &lt; b\n&nbsp;\nend" in page and "a warning" not in page
     assert "<strong>44 %</strong>" in page and "&lt;Markdown&gt;" not in page
-
-
-def test_a_notebook_that_fails_names_itself_and_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "docs" / "site"))
-    import notebook_pages
-
-    path = tmp_path / "wrong.ipynb"
-    cells = [nbformat.v4.new_code_cell("raise ValueError('no such muscle')")]
-    path.write_text(nbformat.writes(nbformat.v4.new_notebook(cells=cells)), encoding="utf-8")
-    monkeypatch.setattr(notebook_pages, "SOURCES", [path])
-    monkeypatch.setattr(notebook_pages, "KEPT", tmp_path / "kept")
-    printed = io.StringIO()
-    assert notebook_pages.execute_all(Console(file=printed)) == 1
-    assert "error: wrong.ipynb: ValueError: no such muscle" in printed.getvalue()
-    assert not list((tmp_path / "kept").iterdir())

@@ -2,14 +2,14 @@
 
 import re
 import shutil
-import subprocess
-import sys
 import zipfile
 from email.parser import Parser
 from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
+
+from tests.processes import python
 
 ROOT = Path(__file__).parents[2]
 DATA = (".toml", ".json", ".yaml")
@@ -29,7 +29,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (copy / KERNEL).touch()
     (copy / "dist").mkdir()
     build = "from setuptools import build_meta; build_meta.build_wheel('dist')"
-    subprocess.run([sys.executable, "-c", build], cwd=copy, check=True, capture_output=True, timeout=120)
+    python("-c", build, cwd=copy)
     (built,) = (copy / "dist").glob("*.whl")
     return built
 

@@ -1,10 +1,8 @@
 """The library alone: what it does without the packages of its extras, and what it says where one is needed."""
 
 import json
-import subprocess
-import sys
 
-import pytest
+from tests.processes import python
 
 BLOCKED = (
     "matplotlib",
@@ -43,56 +41,36 @@ jawenv.score(played), jawenv.identifiability(played.records[0]), jawenv.bound_al
 def in_new_process(code: str) -> str:
     """What the code prints where the packages cannot be imported."""
     blocked = f"import sys; sys.modules.update(dict.fromkeys({BLOCKED!r}))\n"
-    ran = subprocess.run([sys.executable, "-c", blocked + code], capture_output=True, text=True, timeout=600)
-    assert ran.returncode == 0, ran.stderr
-    return ran.stdout.strip()
+    return python("-c", blocked + code).stdout.strip()
 
 
+PICTURE = 'env = gym.make("jawenv/Jaw-v3", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()'
 REFUSED = {
-    "contact": 'gym.make("jawenv/JawSagittal-v3")',
-    "contact, several worlds": 'gym.make_vec("jawenv/JawSagittal-v3", num_envs=2)',
-    "contact, mechanics": "import jawenv.mechanics.sagittal",
-    "MuJoCo": 'gym.make("jawenv/Jaw-v3", plant="jawenv.mechanics.mujoco_jaw:MujocoJaw")',
-    "pictures": 'env = gym.make("jawenv/Jaw-v3", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()',
-    "stable-baselines3": "import jawenv.sb3",
-    "filters": "import jawenv.references.filterpy_filters",
+    'gym.make("jawenv/JawSagittal-v3")': 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"',
+    'gym.make_vec("jawenv/JawSagittal-v3", num_envs=2)': 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"',
+    "import jawenv.mechanics.sagittal": 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"',
+    "import jawenv.mechanics.mujoco_jaw": 'MujocoJaw needs mujoco: pip install "jawenv[mujoco]"',
+    PICTURE: 'render_mode needs pygame: pip install "jawenv[render]"',
+    "import jawenv.sb3": 'jawenv.sb3 needs stable_baselines3: pip install "jawenv[sb3]"',
+    "import jawenv.references.filterpy_filters": 'a reference filter needs filterpy: pip install "jawenv[reference]"',
 }
-REFUSALS = f"""
+REFUSALS = """
 import json
 import gymnasium as gym, jawenv
-told = {{}}
-for name, code in {REFUSED!r}.items():
+told = {}
+for code in %r:
     try:
-        exec(code, {{"gym": gym}})
+        exec(code, {"gym": gym})
     except jawenv.InputError as error:
         assert isinstance(error, ImportError)
-        told[name] = str(error)
+        told[code] = str(error)
 print(json.dumps(told))
 """
-
-
-@pytest.fixture(scope="module")
-def told() -> dict[str, str]:
-    """The messages of the one-line errors that the codes of ``REFUSED`` raise, one after the other in one process."""
-    messages: dict[str, str] = json.loads(in_new_process(REFUSALS))
-    return messages
 
 
 def test_the_default_environment_is_played_and_judged() -> None:
     assert in_new_process(PLAYS) == ""
 
 
-@pytest.mark.parametrize(
-    ("code", "message"),
-    [
-        ("contact", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
-        ("contact, several worlds", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
-        ("contact, mechanics", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
-        ("MuJoCo", 'MujocoJaw needs mujoco: pip install "jawenv[mujoco]"'),
-        ("pictures", 'render_mode needs pygame: pip install "jawenv[render]"'),
-        ("stable-baselines3", 'jawenv.sb3 needs stable_baselines3: pip install "jawenv[sb3]"'),
-        ("filters", 'a reference filter needs filterpy: pip install "jawenv[reference]"'),
-    ],
-)
-def test_what_needs_an_extra_names_it(told: dict[str, str], code: str, message: str) -> None:
-    assert told[code] == message
+def test_what_needs_an_extra_names_it() -> None:
+    assert json.loads(in_new_process(REFUSALS % [*REFUSED])) == REFUSED
