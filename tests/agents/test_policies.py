@@ -4,8 +4,6 @@ import base64
 import json
 import os
 import pickle
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -27,9 +25,10 @@ from jawenv.envs.observation import Parts
 from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.policies.controller import ControlledAgent
-from jawenv.playing.policies.plain import PlainPolicy, elu
+from jawenv.playing.policies.plain import PlainPolicy
 from jawenv.playing.policies.residual import N_FEATURES, ResidualPolicy
 from tests.plain_policies import random_weights, write_corrector, write_policy
+from tests.processes import python
 
 
 @pytest.fixture
@@ -63,10 +62,6 @@ def test_it_computes_the_layers_of_the_card(folder: Path) -> None:
     assert agents.load_agent(str(folder / "card.json"), control="trajectory").name == "shared"
 
 
-def test_elu_goes_on_smoothly_below_zero() -> None:
-    np.testing.assert_allclose(elu(np.array([-1000.0, -1e-9, 0.0, 2.0])), [-1.0, -1e-9, 0.0, 2.0], atol=1e-15)
-
-
 def test_neither_torch_nor_pickle_is_needed(folder: Path) -> None:
     code = (
         "import agents, numpy, pickle, sys\n"
@@ -75,10 +70,7 @@ def test_neither_torch_nor_pickle_is_needed(folder: Path) -> None:
         f"assert agent.predict(numpy.zeros({Parts().size}, dtype='f4'))[0].shape == (4,)\n"
         "assert not {'torch', 'stable_baselines3', 'matplotlib'} & set(sys.modules)\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=Path(agents.__file__).parents[1], capture_output=True, timeout=600
-    )
-    assert done.returncode == 0, done.stderr.decode()
+    python("-c", code, cwd=Path(agents.__file__).parents[1])
 
 
 @pytest.mark.parametrize(
@@ -157,12 +149,7 @@ def saved(
 
 @pytest.mark.parametrize(
     ("algorithm", "kwargs"),
-    [
-        (PPO, {"use_sde": True}),
-        (SAC, {"buffer_size": 1}),
-        (TQC, {"buffer_size": 1}),
-        (RecurrentPPO, {}),
-    ],
+    [(PPO, {"use_sde": True}), (SAC, {"buffer_size": 1}), (TQC, {"buffer_size": 1}), (RecurrentPPO, {})],
 )
 def test_a_trusted_checkpoint_acts_as_the_model(algorithm: type[BaseAlgorithm], kwargs: dict, tmp_path: Path) -> None:
     original = saved(tmp_path / "zoo" / "step_100.zip", algorithm, **kwargs)

@@ -10,8 +10,7 @@ from jawenv.base.numeric_fields import real_number, whole_number
 
 
 @pytest.mark.parametrize(
-    "value",
-    [object(), np.zeros((50, 50)), "a" * 500, "a\nb", list(range(1000)), {i: "x" * 100 for i in range(50)}],
+    "value", [object(), np.zeros((50, 50)), "a" * 500, "a\nb", list(range(1000)), {i: "x" * 100 for i in range(50)}]
 )
 def test_any_value_is_shown_in_one_short_line(value):
     text = shown(value)

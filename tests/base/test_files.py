@@ -54,10 +54,8 @@ def test_three_formats_say_the_same(tmp_path: Path, suffix: str, text: str) -> N
     [
         ("a.json", b"", "damaged JSON: Expecting value: line 1 column 1 (char 0)"),
         ("a.json", b"[1]", "content is a list; allowed: a mapping of keys to values"),
-        ("a.yaml", b"", "content is nothing; allowed: a mapping of keys to values"),
         ("a.json", b'{"name": 1, "name": 2}', "damaged JSON: key 'name' appears twice"),
         ("a.yaml", b"name: a\nname: b", "damaged YAML: key 'name' appears twice"),
-        ("a.toml", b"name = 1\nname = 2", "damaged TOML: Cannot overwrite a value (at end of document)"),
         ("a.yaml", b"x: [1", "damaged YAML: expected ',' or ']', but got '<stream end>' (line 1)"),
         ("a.yaml", b"\n? [x]\n: 1", "damaged YAML: found unhashable key (line 2)"),
         ("a.yaml", b"x: !py y", "damaged YAML: could not determine a constructor for the tag '!py' (line 1)"),
@@ -69,11 +67,6 @@ def test_three_formats_say_the_same(tmp_path: Path, suffix: str, text: str) -> N
         ("a.json", b'{"name": "x", "nam": 1, "z": 2}', "unknown key 'nam'; allowed: name, parts, spare (and 1 more)"),
         ("a.json", b'{"name": "x", "parts": [{"gain": NaN}]}', "parts.0.gain is nan; allowed: a finite number"),
         ("a.json", b'{"name": "x", "parts": [{"gain": -1}]}', "parts.0.gain is -1.0; allowed: greater than 0"),
-        (
-            "a.json",
-            b'{"name": "x", "parts": [{"gian": 1}]}',
-            "unknown key 'parts.0.gian'; allowed: gain, points (and 1 more)",
-        ),
         (
             "a.json",
             b'{"name": "x", "spare": {"gian": 1}}',

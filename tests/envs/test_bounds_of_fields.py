@@ -1,4 +1,4 @@
-"""At the bounds of every numeric field of device, reality and patient an episode stays finite."""
+"""At the bounds of every numeric field of device, reality, comfort and patient an episode stays finite."""
 
 import gymnasium as gym
 import numpy as np
@@ -61,6 +61,17 @@ def test_motors_switched_against_the_strongest_brake_move_a_jaw_finitely():
         observation, reward, _, _, info = env.step(actions)
         assert np.isfinite(observation).all() and np.isfinite(reward).all() and np.isfinite(info["jaw_state"]).all()
         assert info["cost"].max() < 10.0, "and no jaw is thrown about"
+
+
+@pytest.mark.parametrize("name", jawenv.Comfort.numeric_fields())
+@pytest.mark.parametrize("end", ["low", "high"])
+def test_a_comfort_at_a_bound_is_finite_or_refused_in_one_line(name, end):
+    low = 1.05 if name.endswith("_hard") else 5.0 if name in ("painless_range_mm", "largest_opening_mm") else 1e-6
+    value = jawenv.Comfort.numeric_fields()[name].high if end == "high" else low
+    try:
+        play_two_seconds(comfort={name: value})
+    except jawenv.InputError as error:
+        assert "patients in a row cannot be treated" in str(error)
 
 
 @pytest.mark.parametrize(

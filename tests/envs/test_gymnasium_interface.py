@@ -1,8 +1,6 @@
 """What Gymnasium asks of an environment, and what a user gets told who asks for the impossible."""
 
 import json
-import subprocess
-import sys
 from dataclasses import fields
 
 import gymnasium as gym
@@ -13,9 +11,11 @@ import jawenv
 from jawenv.anatomy import COHORTS, Cohort
 from jawenv.controls import CONTROLS
 from jawenv.envs.configuration import Configuration, configure
+from jawenv.envs.jaw import JawEnv
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.envs.vector import JawVectorEnv
+from tests.processes import python
 
 ID = "jawenv/Jaw-v3"
 MODES = [(control, sensors) for control in CONTROLS for sensors in ("pose", "point")]
@@ -64,9 +64,7 @@ def test_every_argument_is_described_and_comes_back_from_a_mapping_of_plain_valu
         assert name in other.differences(default) and other.digest != default.digest
         assert Configuration.from_mapping(json.loads(json.dumps(other.to_mapping()))) == other
         assert all(each.metadata["help"].endswith(".") for each in fields(Configuration))
-    whole = configure(
-        {name: value for name, value in NOT_DEFAULT.items() if name != "comfort_budget_s"}
-    )  # of targets alone
+    whole = configure({name: NOT_DEFAULT[name] for name in NOT_DEFAULT.keys() - {"comfort_budget_s"}})  # of targets
     assert Configuration.from_mapping(json.loads(json.dumps(whole.to_mapping()))) == whole
 
 
@@ -75,13 +73,8 @@ def test_a_configuration_knows_its_id(env_id):
     made = gym.make(env_id).unwrapped.configuration
     again = Configuration.from_mapping({"env": env_id})
     assert made == again and made.env_id == env_id and not made.differences(again)
-    assert made.to_mapping() == {
-        "env": env_id,
-        "control": "targets",
-        "sensors": "pose",
-        "cohort": "trismus",
-        "episode_s": 30.0,
-    }
+    others = {"control": "targets", "sensors": "pose", "cohort": "trismus", "episode_s": 30.0}
+    assert made.to_mapping() == {"env": env_id, **others}
 
 
 def test_numpys_numbers_are_numbers():
@@ -110,18 +103,13 @@ def test_numpys_numbers_are_numbers():
 
 @pytest.mark.parametrize("seed", [-1, 1.0, "one", True, np.float64(2)])
 def test_an_unusable_seed_is_named(seed):
-    with pytest.raises(jawenv.InputError) as caught:
-        make().reset(seed=seed)
-    assert str(caught.value) == f"seed is {seed!r}; allowed: a whole number, 0 or more"
+    assert_refused(f"seed is {seed!r}; allowed: a whole number, 0 or more", make().reset, seed=seed)
 
 
 def test_importing_jawenv_imports_nothing_heavy():
     code = "import sys, jawenv; print(*sorted({name.split('.')[0] for name in sys.modules}))"
-    loaded = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=600
-    ).stdout.split()
     heavy = {"torch", "matplotlib", "pymunk", "pygame", "numba", "scipy", "stable_baselines3", "pandas"}
-    assert not heavy & set(loaded)
+    assert not heavy & set(python("-c", code).stdout.split())
 
 
 @pytest.mark.parametrize(("control", "sensors"), MODES)
@@ -148,11 +136,7 @@ ARGUMENTS = [
     ({"control": "torque"}, "control is 'torque'; allowed: force, trajectory, targets"),
     ({"sensors": 6}, "sensors is 6; allowed: pose, point"),
     ({"reward": "nats"}, "reward is 'nats'; allowed: uncertainty, bound, score, worst, mixed"),
-    (
-        {"cohort": "cats"},
-        "cohort is 'cats'; allowed: trismus, healthy, severe, one_sided, patchy, blockage, wide, anyone, "
-        "or a file (.json, .toml, .yaml, .yml)",
-    ),
+    ({"cohort": "cats"}, "cohort is 'cats'; allowed: trismus, healthy, severe, one_sided, patchy, blockage, "),
     ({"cohort": 5}, "cohort is 5; allowed: a name, a Cohort, a mapping of its fields, or a file"),
     ({"cohort": {"groups": []}}, "Cohort: groups is []; allowed: at least 1 item after validation, not 0"),
     ({"cohort": "no/such.toml"}, "no/such.toml: no such file"),
@@ -160,11 +144,7 @@ ARGUMENTS = [
     ({"cohort": stiff_left(b_sd=0)}, "Cohort: groups.0.left.b_sd is 0; allowed: greater than 0"),
     ({"cohort": stiff_left(c=1)}, "Cohort: unknown key 'groups.0.left.c'; allowed: F_o_N, F_o_sd, b, b_sd"),
     ({"cohort": stiff_left(b_sd=2)}, "cohort 'cohort': sd of log b = 2; allowed: more than 0, at most 1.5"),
-    (
-        {"cohort": stiff_left(F_o_N=80)},
-        "cohort 'cohort': F_o_N = 80 with a log sd of 0.5 is drawn larger than 200; allowed: up to 200 at 2 sd "
-        "above the median",
-    ),
+    ({"cohort": stiff_left(F_o_N=80)}, "cohort 'cohort': F_o_N = 80 with a log sd of 0.5 is drawn larger than 200"),
     ({"episode_s": 0}, "episode_s is 0; allowed: a number, more than 0, at most 1e+06"),
     ({"episode_s": 0.01}, "episode_s is 0.01; allowed: at least one control period"),
     ({"comfort_weight": float("nan")}, "comfort_weight is nan; allowed: a number, 0 or more, at most 1e+06"),
@@ -183,35 +163,32 @@ ARGUMENTS = [
 ]
 
 
-def assert_one_line(caught, message):
-    """The whole message, or its beginning where the list of what is allowed goes on."""
-    said = str(caught.value)
-    assert "\n" not in said
-    assert said == message or (message.endswith(", ") and said.startswith(message))
+def assert_refused(message, call, *given, **named):
+    """In one line that begins so."""
+    with pytest.raises(jawenv.InputError) as caught:
+        call(*given, **named)
+    assert str(caught.value).startswith(message) and "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(("arguments", "message"), ARGUMENTS)
 def test_an_unusable_argument_is_named(arguments, message):
     for form in (gym.make, gym.make_vec):
-        with pytest.raises(jawenv.InputError) as caught:
-            form(ID, **arguments)
-        assert_one_line(caught, message)
+        assert_refused(message, form, ID, **arguments)
 
 
-def test_unusable_arguments_of_one_form_are_named():
-    with pytest.raises(jawenv.InputError):
-        jawenv.envs.jaw.JawEnv(render_mode="ansi", control="force")
-    for arguments, message in (
-        ({"num_envs": 0}, "num_envs is 0; allowed: a whole number, 1 or more"),
-        (
-            {"num_envs": 2, "autoreset_mode": "later"},
-            "autoreset_mode is 'later'; allowed: next_step, same_step, disabled",
-        ),
-        ({"num_envs": 2, "render_mode": "human"}, "render_mode is 'human'; allowed in the vector form: rgb_array"),
-    ):
-        with pytest.raises(jawenv.InputError) as caught:
-            JawVectorEnv(**{"control": "force", **arguments})
-        assert str(caught.value) == message
+@pytest.mark.parametrize(
+    ("form", "arguments", "message"),
+    [
+        (JawEnv, {"render_mode": "ansi"}, "render_mode is 'ansi'; allowed: human, rgb_array"),
+        (JawVectorEnv, {"max_episode_steps": 0}, "max_episode_steps is 0; allowed: a whole number, 1 or more, or None"),
+        (JawVectorEnv, {"max_episode_steps": 1.5}, "max_episode_steps is 1.5; allowed: a whole number, 1 or more, "),
+        (JawVectorEnv, {"num_envs": 0}, "num_envs is 0; allowed: a whole number, 1 or more"),
+        (JawVectorEnv, {"num_envs": 2, "autoreset_mode": "later"}, "autoreset_mode is 'later'; allowed: next_step, "),
+        (JawVectorEnv, {"num_envs": 2, "render_mode": "human"}, "render_mode is 'human'; allowed in the vector form: "),
+    ],
+)
+def test_unusable_arguments_of_one_form_are_named(form, arguments, message):
+    assert_refused(message, form, control="force", **arguments)
 
 
 @pytest.mark.parametrize(
@@ -230,9 +207,7 @@ def test_an_unusable_action_is_named(action, message):
     env = make()
     env.reset(seed=0)
     before = env.simulation.worlds.tobytes()
-    with pytest.raises(jawenv.InputError) as caught:
-        env.step(action)
-    assert str(caught.value) == message
+    assert_refused(message, env.step, action)
     assert env.simulation.worlds.tobytes() == before
 
 
@@ -245,57 +220,37 @@ def test_an_unusable_action_of_many_is_named():
         env.step(NOTHING)
 
 
+FEW = dict.fromkeys(MUSCLES, 0.01)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"pose": 1}, "option 'pose' is unknown; allowed: patient, episode_key, asked"),
-        (
-            {"patient": 3},
-            "option patient is 3; allowed: a Patient, a mapping of its fields, or the path of a file with them",
-        ),
+        ({"patient": 3}, "option patient is 3; allowed: a Patient, a mapping of its fields, or the path of a file"),
         ({"patient": "no/such.json"}, "no/such.json: no such file"),
-        (
-            {"patient": {"F_o_N": MUSCLES | {"masseter_left": -1.0}, "b": MUSCLES}},
-            "Patient: F_o_N.masseter_left is -1.0; allowed: greater than 0",
-        ),
-        (
-            {"patient": {"name": "limp", "F_o_N": dict.fromkeys(MUSCLES, 0.01), "b": MUSCLES}},
-            "patient 'limp' has no rest pose within reach of the device, or a painless range of less than 5 mm; "
-            "allowed: a jaw that rests less than 35 mm open and 5 mm aside",
-        ),
+        ({"patient": {"F_o_N": FEW | {"masseter_left": -1.0}, "b": MUSCLES}}, "Patient: F_o_N.masseter_left is -1.0; "),
+        ({"patient": {"name": "limp", "F_o_N": FEW, "b": MUSCLES}}, "patient 'limp' has no rest pose within reach"),
     ],
 )
 def test_an_unusable_option_is_named(options, message):
-    with pytest.raises(jawenv.InputError) as caught:
-        make().reset(seed=0, options=options)
-    assert str(caught.value) == message
+    assert_refused(message, make().reset, seed=0, options=options)
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (
-            {"options": {"patient": 1}},
-            "option 'patient' is unknown; allowed: patients, reset_mask, episode_keys, asked",
-        ),
+        ({"options": {"patient": 1}}, "option 'patient' is unknown; allowed: patients, reset_mask, episode_keys, "),
         ({"options": {"patients": [None]}}, "option patients has 1 entries; allowed: 2"),
         ({"options": {"patients": "ab"}}, "option patients is 'ab'; allowed: a sequence of 2 entries"),
-        (
-            {"options": {"patients": [None, 3]}},
-            "option patients[1] is 3; allowed: a Patient, a mapping of its fields, or the path of a file with them",
-        ),
-        (
-            {"options": {"reset_mask": [True, False]}},
-            "option reset_mask is [True, False]; allowed: a bool array of shape (2,)",
-        ),
+        ({"options": {"patients": [None, 3]}}, "option patients[1] is 3; allowed: a Patient, a mapping of its fields"),
+        ({"options": {"reset_mask": [True, False]}}, "option reset_mask is [True, False]; allowed: a bool array of "),
         ({"seed": [1, 2, 3]}, "seed has 3 entries; allowed: an integer or 2 entries"),
         ({"seed": -1}, "seed is -1; allowed: a whole number, 0 or more"),
     ],
 )
 def test_an_unusable_option_of_the_vector_form_is_named(arguments, message):
-    with pytest.raises(jawenv.InputError) as caught:
-        gym.make_vec(ID, num_envs=2, control="force").reset(**arguments)
-    assert str(caught.value) == message
+    assert_refused(message, gym.make_vec(ID, num_envs=2, control="force").reset, **arguments)
 
 
 def test_step_and_render_need_a_reset():

@@ -5,13 +5,11 @@ import json
 import gymnasium as gym
 import numpy as np
 import pytest
-from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers.vector import DictInfoToList
 
 import jawenv
 from jawenv.envs.jaw import JawEnv
-from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.envs.vector import JawVectorEnv
 
 ID = "jawenv/Jaw-v3"
@@ -44,18 +42,6 @@ def test_infos_are_flat_and_hold_pythons_numbers_and_arrays(arguments):
         assert type(scalars["violation"]) is type(scalars["settled"]) is bool
         assert json.loads(json.dumps(scalars)) == scalars
     assert env.get_wrapper_attr("parameter_names") == jawenv.PARAMETER_NAMES
-
-
-def test_infos_of_the_vector_form_have_the_same_keys_and_their_masks():
-    single = gym.make(ID).reset(seed=0)[1]
-    env = gym.make_vec(ID, num_envs=2)
-    for info in (env.reset(seed=0)[1], env.step(ACTIONS)[4]):
-        assert list(info) == [*single, *(f"_{key}" for key in single)]
-        for key, value in single.items():
-            assert info[key].shape == (2, *np.shape(value))
-            assert info[key].dtype == np.asarray(value).dtype
-            assert info[f"_{key}"].all()
-    assert env.parameter_names == jawenv.PARAMETER_NAMES
 
 
 @pytest.mark.parametrize("mode", list(AutoresetMode))
@@ -100,23 +86,6 @@ def test_a_limit_of_steps_is_that_of_a_time_limit(limit):
         assert expected == (k == min(4, limit if limit == 2 else 4))
         if expected:
             break
-
-
-@pytest.mark.parametrize("limit", [0, 1.5, True, "one"])
-def test_an_unusable_limit_of_steps_is_named(limit):
-    with pytest.raises(jawenv.InputError) as caught:
-        JawVectorEnv(max_episode_steps=limit)
-    assert str(caught.value) == f"max_episode_steps is {limit!r}; allowed: a whole number, 1 or more, or None"
-
-
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
-def test_a_spec_makes_the_same_environment(env_id):
-    env = gym.make(env_id, control="trajectory", episode_s=2.0, max_episode_steps=30)
-    for spec in (env.spec, EnvSpec.from_json(env.spec.to_json())):
-        again = spec.make()
-        assert again.spec == env.spec
-        np.testing.assert_array_equal(again.reset(seed=3)[0], env.reset(seed=3)[0])
-        np.testing.assert_array_equal(again.step(ACTION)[0], env.step(ACTION)[0])
 
 
 @pytest.mark.parametrize(

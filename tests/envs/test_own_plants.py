@@ -143,14 +143,6 @@ def motion_of(jaw, **changed):
     return motion._replace(**changed)
 
 
-def test_a_motion_comes_back_from_its_twelve_numbers():
-    jaw = build_jaw()
-    q, u = body_motion(checked_motion(motion_of(jaw), "here"), jaw["mouthpiece"])
-    np.testing.assert_allclose(
-        [*q, *u], [1e-3, 2e-3, -1e-3, 0.2, 0.1, -0.1, 0.01, 0.02, 0.03, 0.1, 0.2, 0.3], atol=1e-15
-    )
-
-
 @pytest.mark.parametrize(
     ("changed", "told"),
     [

@@ -2,8 +2,6 @@
 
 import hashlib
 import os
-import subprocess
-import sys
 
 import gymnasium as gym
 import numba
@@ -15,6 +13,7 @@ import jawenv
 from jawenv.controls import CONTROLS
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.kernels.compiled import WORLDS_AT_ONCE
+from tests.processes import python
 
 ID = "jawenv/Jaw-v3"
 THREADS = sorted({1, min(2, numba.config.NUMBA_NUM_THREADS)})
@@ -90,9 +89,7 @@ def test_the_same_seed_gives_the_same_episode_in_another_process():
     observations = [env.reset(seed=8)[0]]
     for k in range(20):
         observations.append(env.step(np.full(4, 0.2 * np.sin(k), dtype=np.float32))[0])
-    other = subprocess.run(
-        [sys.executable, "-c", _EPISODE], capture_output=True, text=True, check=True, timeout=600
-    ).stdout.strip()
+    other = python("-c", _EPISODE).stdout.strip()
     assert other == hashlib.sha256(np.array(observations).tobytes()).hexdigest()
 
 
@@ -116,8 +113,7 @@ print(observation.sum())
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
 def test_a_forked_process_has_threads_of_its_own():
     """As workers of Gymnasium's AsyncVectorEnv are: the parent's threads are not there."""
-    ran = subprocess.run([sys.executable, "-c", _FORK], capture_output=True, text=True, check=True, timeout=300)
-    first, second = ran.stdout.split()
+    first, second = python("-c", _FORK).stdout.split()
     assert first == second
 
 

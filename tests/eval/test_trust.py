@@ -17,11 +17,6 @@ pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # the file t
 STUDY = 'title: a\nentries: ["{agent}"]\npatients: 1\nseed: 1\nepisode_s: 1.0\n'
 
 
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
-
-
 @pytest.mark.parametrize("command", ["compare", "calibrate", "patient", "play", "replay", "study"])
 def test_commands_unpickle_nothing_without_trust(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -43,11 +38,11 @@ def test_commands_unpickle_nothing_without_trust(
     assert "damaged stable-baselines3 checkpoint" in capsys.readouterr().err and (tmp_path / "ran").exists()
 
 
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("trust", [[], ["--trust"]])
 def test_a_strangers_run_is_compared_and_runs_no_code(
-    trust: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    trust: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
     run = save_run(tmp_path / "run")
     make_it_run_code(run / "checkpoints" / "step_1.zip", tmp_path / "ran")
     settings = ["--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]

@@ -1,6 +1,5 @@
 """``python -m training train``: what a run leaves behind, how it stops, goes on and refuses."""
 
-import csv
 import json
 import os
 import shutil
@@ -19,6 +18,7 @@ import yaml
 from point_env import TINY_CONFIG
 from stable_baselines3 import PPO
 
+from agents.evaluations import read_evaluations
 from jawenv.base.errors import InputError
 from jawenv.base.locks import alone
 from tests.eval.runs import make_it_run_code
@@ -31,11 +31,6 @@ from training.run.worlds import world_seed
 
 def train(*arguments: object) -> int:
     return main(["train", *map(str, arguments)])
-
-
-def evaluations(run: Path) -> list[dict[str, float]]:
-    with (run / "evaluations.csv").open() as file:
-        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
 
 def latest(run: Path) -> Path:
@@ -56,6 +51,12 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "run"
 
 
+@pytest.fixture
+def run(finished: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    return shutil.copytree(finished, tmp_path / "run")
+
+
 def test_run_folder_holds_what_is_needed_to_repeat_it(finished: Path) -> None:
     assert [path.name for path in sorted((finished / "checkpoints").iterdir())] == [
         "step_0000000768.zip",
@@ -70,7 +71,7 @@ def test_run_folder_holds_what_is_needed_to_repeat_it(finished: Path) -> None:
 
 
 def test_policy_gets_better_and_the_best_is_kept(finished: Path) -> None:
-    rows = evaluations(finished)
+    rows = read_evaluations(finished)
     assert [row["steps"] for row in rows] == [0, 256, 512, 1024]
     assert rows[-1]["return"] > rows[0]["return"] + 0.3
     assert rows[-1]["information_true"] == pytest.approx(0.5 * rows[-1]["information_claimed"], rel=1e-4)
@@ -98,12 +99,13 @@ def test_equal_seeds_give_equal_policies(finished: Path, tmp_path: Path) -> None
     first, again, other = weights(finished), weights(tmp_path / "3"), weights(tmp_path / "4")
     assert all(torch.equal(first[key], again[key]) for key in first)
     assert not all(torch.equal(first[key], other[key]) for key in first)
-    assert evaluations(finished) == evaluations(tmp_path / "3")
+    assert read_evaluations(finished) == read_evaluations(tmp_path / "3")
 
 
-def test_a_run_is_not_replaced_unasked(finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run, other = tmp_path / "run", tmp_path / "other"
-    shutil.copytree(finished, run)
+def test_a_run_is_not_replaced_unasked(
+    finished: Path, run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = tmp_path / "other"
     other.mkdir()
     (other / "thesis.txt").write_text("not a run")
     tiny = finished.parent / "tiny.yaml"
@@ -112,7 +114,7 @@ def test_a_run_is_not_replaced_unasked(finished: Path, tmp_path: Path, capsys: p
         assert capsys.readouterr().err.count("\n") == 1
     assert (other / "thesis.txt").exists()
     assert train(tiny, "--output", run, "--steps", 256, "--overwrite") == 0
-    assert evaluations(run)[-1]["steps"] == 256
+    assert read_evaluations(run)[-1]["steps"] == 256
 
 
 def test_resume_goes_on_from_model_optimiser_and_steps(
@@ -131,7 +133,7 @@ def test_resume_goes_on_from_model_optimiser_and_steps(
     assert after._n_updates == 2 * before._n_updates
     moments = after.policy.optimizer.state_dict()["state"][0]
     assert moments["step"] == 2 * before.policy.optimizer.state_dict()["state"][0]["step"]
-    assert [row["steps"] for row in evaluations(run)] == [0, 256, 512, 1024]
+    assert [row["steps"] for row in read_evaluations(run)] == [0, 256, 512, 1024]
     sessions = json.loads((run / "repeat.json").read_text())["sessions"]
     assert [session["from_step"] for session in sessions] == [0, 512]
     assert sessions[0]["world_seed"] != sessions[1]["world_seed"]
@@ -141,17 +143,12 @@ def test_resume_goes_on_from_model_optimiser_and_steps(
 
 @pytest.mark.parametrize(
     ("old", "new", "named"),
-    [
-        ("policy:\n  - ", "policy:\n  - 9\n  - ", "network.policy"),
-        ("kwargs: {}", "kwargs: {a: 1}", "env.kwargs.a"),
-    ],
+    [("policy:\n  - ", "policy:\n  - 9\n  - ", "network.policy"), ("kwargs: {}", "kwargs: {a: 1}", "env.kwargs.a")],
     ids=["network", "environment"],
 )
 def test_resume_refuses_another_network_or_task(
-    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, named: str
+    run: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, named: str
 ) -> None:
-    run = tmp_path / "run"
-    shutil.copytree(finished, run)
     config = (run / "config.yaml").read_text()
     assert old in config
     (run / "config.yaml").write_text(config.replace(old, new))
@@ -160,11 +157,7 @@ def test_resume_refuses_another_network_or_task(
     assert error.count("\n") == 1 and named in error and "damaged" not in error
 
 
-def test_resume_says_which_other_settings_were_changed(
-    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    run = tmp_path / "run"
-    shutil.copytree(finished, run)
+def test_resume_says_which_other_settings_were_changed(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     config = yaml.safe_load((run / "config.yaml").read_text())
     config["arguments"]["clip_range"] = 0.1
     (run / "config.yaml").write_text(yaml.safe_dump(config))
@@ -172,31 +165,23 @@ def test_resume_says_which_other_settings_were_changed(
     assert "changed since the run began: arguments.clip_range\n" in capsys.readouterr().out
 
 
-def test_resume_unpickles_nothing(finished: Path, tmp_path: Path) -> None:
-    run = tmp_path / "run"
-    shutil.copytree(finished, run)
+def test_resume_unpickles_nothing(run: Path, tmp_path: Path) -> None:
     make_it_run_code(run / "checkpoints" / "step_0000001024.zip", tmp_path / "ran")
     assert train("--resume", run, "--steps", 1280) == 0
-    assert evaluations(run)[-1]["steps"] == 1280 and not (tmp_path / "ran").exists()
+    assert read_evaluations(run)[-1]["steps"] == 1280 and not (tmp_path / "ran").exists()
 
 
-def test_a_best_policy_that_was_lost_is_kept_anew(finished: Path, tmp_path: Path) -> None:
+def test_a_best_policy_that_was_lost_is_kept_anew(run: Path) -> None:
     """As of a run that was killed while it wrote a better one."""
-    run = tmp_path / "run"
-    shutil.copytree(finished, run)
     (run / "best_model.zip").unlink()
     with (run / "evaluations.csv").open("a") as file:
-        file.write("1024,1e9" + ",0" * (len(evaluations(finished)[0]) - 2) + "\n")
+        file.write("1024,1e9" + ",0" * (len(read_evaluations(run)[0]) - 2) + "\n")
     assert train("--resume", run, "--steps", 1280) == 0
     assert (run / "best_model.zip").exists()
 
 
 @pytest.mark.parametrize("content", [b"", b"not a zip", None], ids=["empty", "text", "cut"])
-def test_damaged_checkpoint_is_named(
-    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes | None
-) -> None:
-    run = tmp_path / "run"
-    shutil.copytree(finished, run)
+def test_damaged_checkpoint_is_named(run: Path, capsys: pytest.CaptureFixture[str], content: bytes | None) -> None:
     checkpoint = run / "checkpoints" / "step_0000001024.zip"
     checkpoint.write_bytes(checkpoint.read_bytes()[:5000] if content is None else content)
     assert train("--resume", run, "--steps", 2048) == 2

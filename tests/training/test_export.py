@@ -113,10 +113,7 @@ def card_with(**changed: object) -> ModelCard:
 
 @pytest.mark.parametrize(
     ("licence", "expected"),
-    [
-        ("CC-BY-4.0", {"license": "cc-by-4.0"}),
-        ("Our own, 2030", {"license": "other", "license_name": "our-own-2030"}),
-    ],
+    [("CC-BY-4.0", {"license": "cc-by-4.0"}), ("Our own, 2030", {"license": "other", "license_name": "our-own-2030"})],
 )
 def test_a_licence_is_named_as_the_hub_names_it(licence: str, expected: dict) -> None:
     told = metadata("mine", card_with(licence=licence, results=[]))

@@ -51,7 +51,6 @@ class Agreement:
 
     maneuver: NDArray[np.intp]  # (N,) index in ``names``
     worst: NDArray[Any]  # (2, N) log of the largest sd, of the environment's filter and of the twin
-    error: NDArray[Any]  # (N,) of the log parameter that the filter knows least, its estimate less the truth
     discomfort_s: NDArray[Any]  # (2, N, 8) of each comfort limit, in 10 s
     names: tuple[str, ...]  # of what was played
     shaking: NDArray[Any]  # (8,) sd of each used fraction with which the twin's discomfort is the environment's, or NaN
@@ -59,14 +58,6 @@ class Agreement:
     def correlation(self) -> float:
         """Correlation between the two rows of ``worst``."""
         return float(np.corrcoef(*self.worst)[0, 1])
-
-    def scatter_without_error(self) -> float:
-        """Sd of the twin's log less the filter's, without what is linear in ``error``.
-
-        The filter's error bars are those at its estimate, the twin's those at the truth.
-        """
-        less = self.worst[1] - self.worst[0]
-        return float((less - np.polyval(np.polyfit(self.error, less, 1), self.error)).std())
 
     def table(self) -> str:
         """Markdown: scatter and offset of the twin's log of the largest sd, and discomfort, by maneuver and in all."""
@@ -133,13 +124,11 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int, agent: str | N
     env.close()
     variances = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).numpy()
     worst = np.stack([np.log(info["belief_sd"].max(axis=1)), 0.5 * np.log(variances)])
-    least = np.arange(patients), info["belief_sd"].argmax(axis=1)
-    error = simulation.worlds["known"]["belief"]["mean"][least] - simulation.worlds["truth"]["log_parameters"][least]
     names = MANEUVERS if agent is None else (agent,)
     played = np.arange(patients) % len(names)
     own = (used[running].reshape(-1, len(COMFORT_LIMITS)) - 1.0) / (twin.hard.numpy() - 1.0)
     shaking = (twin.hard.numpy() - 1.0) * _shaking(own, discomfort[0, running].mean(0) / HORIZON_S)
-    return Agreement(played[running], worst[:, running], error[running], discomfort[:, running], names, shaking)
+    return Agreement(played[running], worst[:, running], discomfort[:, running], names, shaking)
 
 
 def _shaking(costs: Array, felt: Array) -> Array:

@@ -1,6 +1,5 @@
 """The twin's jaw against the jaw of the environments."""
 
-import newton_euler as twin
 import numpy as np
 import pytest
 import torch
@@ -67,13 +66,6 @@ def test_columns_are_the_derivatives_by_the_parameters(record, rng):
     for i, d in enumerate(STEP * np.eye(12)):
         change = passive(record, pose, theta + d).forces.force - passive(record, pose, theta - d).forces.force
         np.testing.assert_allclose(carried.columns[0, :, i], change[0] / (2 * STEP), rtol=1e-6, atol=1e-8)
-
-
-def test_lengths_are_those_of_the_independent_jaw(record):
-    jaw = Jaw.of(record)
-    strain = passive(record, POSES[0], np.zeros(12)).strain[0].numpy()
-    np.testing.assert_allclose((1.0 + strain) * record["l_o"], twin.muscle_lengths(record, POSES[0]), rtol=1e-12)
-    assert jaw.mass == record["mass"]
 
 
 def test_the_noise_is_the_wrench_s_and_grows_with_the_encoders(record, rng):

@@ -86,16 +86,6 @@ def test_a_comfort_an_anatomy_and_a_force_sensor_of_ones_own_are_another_study(t
     assert main(["report", str(tmp_path / "study"), "--patient", "1"]) == 0
 
 
-def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
-    plays.fail_at = 1
-    arguments = ["hold_still", "chirp", *SHORT, "--output", str(tmp_path)]
-    assert run(*arguments) == 130
-    assert "the same command goes on from there" in capsys.readouterr().err
-    plays.fail_at = None
-    assert run(*arguments) == 0
-    assert "2 of 4 episodes kept from an earlier run" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

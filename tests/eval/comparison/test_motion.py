@@ -44,11 +44,3 @@ def test_frames_put_the_mouthpiece_where_it_is_said_to_be(study):
     turned = Rotation.from_rotvec(frames["turn"]).apply(moved["mouthpiece"])
     opening = moved["mouthpiece"][2] - (np.array(frames["contact"]) + turned)[:, 2]
     assert opening == pytest.approx(np.array(frames["moved"])[:, 0], abs=0.05)
-
-
-def test_watching_changes_no_result(study):
-    from jawenv.playing.rollout import play
-
-    entry = load_entries(["slow_opening"], Settings.of(control="targets", episode_s=2.0).world)[0]
-    plain = play(entry.agent, patients=2, seed=0, env_kwargs=entry.env_kwargs)
-    assert study.of("slow_opening")["information_true"].to_numpy() == pytest.approx(plain.information_true[:, -1])

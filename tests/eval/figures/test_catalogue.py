@@ -5,9 +5,8 @@ import pandas as pd
 import pytest
 
 from eval.figures import statistics
-from eval.figures.catalogue import FIGURES, SUMMARIES, above_limit, reaches, time_to
+from eval.figures.catalogue import FIGURES, above_limit
 from eval.report.template import with_terms
-from jawenv.metrics import TARGETS
 from tests.eval.studies import TRAINED, study
 
 
@@ -42,15 +41,6 @@ def test_errors_are_a_multiple_of_the_bound(rows):
     made = study(patients=12)
     expected = statistics.rmse_over_bound(made.array(TRAINED, "error"), made.array(TRAINED, "bound_sd"))
     assert FIGURES["rmse_over_bound"].interval(rows) == expected
-
-
-def test_only_what_each_patient_has_is_compared_in_pairs():
-    alone = {figure.statistic for figure in FIGURES.values() if figure.compared}
-    assert alone == {"mean", "median"} < set(SUMMARIES)
-
-
-def test_a_target_of_every_time_has_its_figures():
-    assert {function(target) for target in TARGETS for function in (time_to, reaches)} < set(FIGURES)
 
 
 def test_a_limit_of_comfort_may_be_another():

@@ -1,6 +1,5 @@
 """Entries from outside the project: exported policies, checkpoints of unknown origin, agents of one's own."""
 
-import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eval.commands.app import main
 from eval.kept.digest import fingerprint
 from eval.kept.entries import Settings, load_entries
 from jawenv.base.errors import InputError
@@ -107,17 +105,3 @@ def test_an_agent_of_ones_own_gets_the_control_of_the_study(own: Path) -> None:
     (entry,) = load_entries(["entry_of_mine:Mine"], Settings.of(control="trajectory").world)
     assert entry.label == "mine" and not entry.trained
     assert entry.agent.control == "trajectory"  # type: ignore[attr-defined]
-
-
-def test_they_are_compared(
-    tmp_path: Path, own: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
-    specs = [str(exported(tmp_path / "shared", gain=0.2)), "entry_of_mine:Mine"]
-    assert main(["compare", *specs, "--patients", "2", "--episode-s", "0.5", "--output", str(tmp_path / "out")]) == 0
-    told = capsys.readouterr().out
-    assert "shared" in told and "mine" in told
-    card = json.loads((tmp_path / "shared" / CARD).read_text())
-    (tmp_path / "shared" / CARD).write_text(json.dumps(card | {"format_version": 9}))
-    assert main(["compare", *specs, "--output", str(tmp_path / "other")]) == 2
-    assert "format_version is 9" in capsys.readouterr().err

@@ -116,19 +116,6 @@ def test_parts_cover_all_items_and_their_files_name_what_decides_them(tmp_path):
     assert [path.name for _, path in parts[2].files] == ["a_b-00011-1-123.parquet", "c-00011-1-45.parquet"]
 
 
-def test_the_work_tells_how_much_of_a_part_is_done(tmp_path):
-    seen = []
-
-    def half(part: Part, progress: Progress) -> None:
-        before = progress.done
-        progress.advance_to(before + 0.5)
-        seen.append((before, progress.done))
-        note_files(part, progress, [])
-
-    finish(parts_in(tmp_path, 2), half, Path.read_text, "items", Run(workers=1))
-    assert seen == [(0.0, 0.5), (1.0, 1.5)]
-
-
 def test_damage_is_found_before_anything_is_done_and_each_file_is_read_once(tmp_path):
     parts, done, read = parts_in(tmp_path, 3), [], []
 

@@ -44,15 +44,6 @@ def test_the_change_is_that_of_the_whole_normal_posterior(rng):
     np.testing.assert_allclose(changed, by @ cov @ by.T, rtol=1e-8)
 
 
-def test_errors_that_are_the_same_in_both_cancel():
-    """Where muscle and anatomy can only be told together, neither is known, but the change is."""
-    together = np.array([[1.0, 1.0]]) * 1e3
-    then, now = (JointLikelihood(together.T @ together, together[0] * 1e3 * value) for value in (0.4, 0.1))
-    mean, cov = change(then, now, Prior(np.zeros(1), np.ones(1) * 10.0))
-    alone = then.posterior(*at_start(Prior(np.zeros(1), np.ones(1) * 10.0), 2))[1][0, 0]
-    assert mean[0] == pytest.approx(-0.3, abs=0.01) and np.sqrt(cov[0, 0]) < 0.01 < 0.9 < np.sqrt(alone)
-
-
 @pytest.fixture(scope="module")
 def pairs():
     """First and second treatment of each patient, 8 s each."""

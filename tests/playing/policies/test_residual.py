@@ -74,12 +74,3 @@ def test_a_world_that_starts_anew_is_at_step_0_and_the_old_state_stays_as_it_was
     np.testing.assert_array_equal(after.of_worlds[0], [3, 1])
     np.testing.assert_array_equal(state.of_worlds[0], before)
     np.testing.assert_array_equal(policy.agent.seen[:, Parts().size :], BASE.features(np.array([2, 0])))
-
-
-def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
-    kept, handed, seen, state = agent(0.3), agent(0.3), observations(2), None
-    for _ in range(4):
-        action, state = handed.predict(seen, state)
-        np.testing.assert_array_equal(action, kept.predict(seen)[0])
-        handed._memory = None
-    assert state is not None and state.shared[1][0].tolist() == [4.0, 4.0]  # the policy's own memory went along
