@@ -1,6 +1,5 @@
 """A jaw's motion as trackers see it, and their files as their own libraries, or a few lines, write them."""
 
-import json
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,23 +145,4 @@ def write_mot(path, moved, degrees="yes", name="mandible"):
     head = ["motion", "version=1", f"nRows={len(table)}", "nColumns=7", f"inDegrees={degrees}", "endheader"]
     rows = ["\t".join(f"{value:.9g}" for value in row) for row in table]
     path.write_text("\n".join([*head, "\t".join(["time", *names]), *rows, ""]), encoding="utf-8")
-    return path
-
-
-def write_bids(path, moved, unit="mm"):
-    turned, place = seen_jaw(moved)
-    stem = str(path).removesuffix("_motion.tsv")
-    channels = [["name", "component", "type", "tracked_point", "units", "reference_frame"]]
-    channels += [[f"m_{axis}", axis, "POS", "mandible", unit, "lab"] for axis in "xyz"]
-    quaternion = ("quat_x", "quat_y", "quat_z", "quat_w")
-    channels += [[f"m_{part}", part, "ORNT", "mandible", "n/a", "lab"] for part in quaternion]
-    rows = np.column_stack([place, turned.as_quat()])
-    path.write_text("\n".join("\t".join(f"{value:.9g}" for value in row) for row in rows), encoding="utf-8")
-    for ending, text in {
-        "_channels.tsv": "\n".join(map("\t".join, channels)),
-        "_motion.json": json.dumps({"TaskName": "chew", "SamplingFrequency": HZ}),
-        "_channels.json": json.dumps({"reference_frame": {"Levels": {"lab": "fixed to the room"}}}),
-    }.items():
-        with open(stem + ending, "w", encoding="utf-8") as file:
-            file.write(text)
     return path

@@ -13,7 +13,6 @@ FORMATS = {
     "hdf5": (files.write_hdf5, "chew.h5", {}),
     "mot": (files.write_mot, "chew.mot", {}),
     "sto": (files.write_mot, "chew.sto", {}),
-    "bids": (files.write_bids, "sub-1_task-chew_tracksys-jts_motion.tsv", {}),
 }
 
 

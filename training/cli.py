@@ -114,8 +114,8 @@ def plot(runs: Runs, output: Figure = Path("runs/learning_curves.png")) -> int:
 
 @app.command("export")
 def _export_command(
-    run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of the run; for ONNX a shipped policy as well.")],
-    output: Annotated[Path, typer.Option(metavar="FOLDER|FILE.onnx", help="Folder of the policy, or an ONNX file.")],
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of the run.")],
+    output: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder of the policy.")],
     results: Annotated[
         Path | None,
         typer.Option(metavar="FOLDER", help="Finished comparison with the run, whose figures the card gets."),
@@ -127,17 +127,10 @@ def _export_command(
 
     FOLDER holds policy.safetensors, card.json, a README.md made of it, and evaluations.csv if the run has one. It can
     be given wherever a run can, needs no PyTorch, and unlike a checkpoint runs no code when it is loaded.
-    FILE.onnx is read from C++, MATLAB or a browser (docs/environment.md#a-policy-as-onnx).
     """
     from training.run.export import export
     from training.run.folder import RunFolder
 
-    if output.suffix:
-        from training.run.onnx_file import write_onnx
-
-        write_onnx(run, output)
-        print(f"{output}: observation (N, size), step (N,) -> action (N, 4)")
-        return
     command = shlex.join(["python", "-m", "training", *sys.argv[1:]])
     reached = ()
     if results is not None:

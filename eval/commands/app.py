@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterable
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
 import typer
 
@@ -67,7 +67,6 @@ def _study_command(
     ] = None,
     fresh: options.Fresh = False,
     workers: options.Workers = None,
-    backend: options.Backend = "loky",
     trust: options.Trust = False,
 ) -> None:
     """Play a study's file: every entry under every setting on the same patients, on all cores (docs/studies.md).
@@ -75,7 +74,7 @@ def _study_command(
     Writes study.md, and patients, cells and pairs as Parquet. Whatever ends a run keeps the parts of some patients that
     are finished: the same command goes on from there.
     """
-    from eval.kept.parts import Backend, Run
+    from eval.kept.parts import Run
     from eval.studies import command, design
 
     if listing:
@@ -85,7 +84,7 @@ def _study_command(
         raise InputError(f"study is none; allowed: {', '.join(design.shipped())}, or a file")
     else:
         console = terminal()
-        how = Run(fresh, workers, cast(Backend, backend), console)
+        how = Run(fresh, workers, console)
         command.study(study, patients, output, how, typed(), console, trust)
 
 

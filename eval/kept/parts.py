@@ -5,25 +5,21 @@ What is made is the same from any number of processes, and however often a run w
 
 from __future__ import annotations
 
-import logging
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, TypeVar, get_args
+from typing import TypeVar
 
-from joblib import Parallel, delayed, register_parallel_backend
+from joblib import Parallel, delayed
 from rich.console import Console
 
-from jawenv.base.errors import InputError, reason_of, shown
-from jawenv.base.extras import needs
+from jawenv.base.errors import InputError, reason_of
 from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
 
-Backend = Literal["loky", "ray"]
-LOOPBACK = "127.0.0.1"
 Content = TypeVar("Content")
 
 
@@ -46,14 +42,7 @@ class Run:
 
     fresh: bool = False  # do kept parts again
     workers: int | None = None  # processes; all cores by default. 1 works in this process
-    backend: Backend = "loky"
-    """Joblib's; "ray" takes the cores of a cluster, with the folder of the files on all machines."""
     console: Console | None = None  # where progress is shown; nowhere by default
-
-    def __post_init__(self) -> None:
-        """Check the backend."""
-        if self.backend not in get_args(Backend):
-            raise InputError(f"backend is {shown(self.backend)}; allowed: {', '.join(get_args(Backend))}")
 
 
 def parts_of(key: str, items: range, size: int, folder: Path, digests: Mapping[str, str]) -> list[Part]:
@@ -144,56 +133,8 @@ def do_parts(parts: Sequence[Part], work: Callable[[Part, Progress], None], run:
 
 def _parallel(run: Run, most: int) -> Parallel:
     """Joblib's processes, at most as many as there are parts; one thread each: more would wait for each other."""
-    if run.backend == "ray":
-        cores = _connect_ray(run.workers)
-        count = min(run.workers or cores, cores, most)
-        return Parallel(count, run.backend, "generator_unordered", batch_size=1, pre_dispatch=count)
     count = min(run.workers or os.cpu_count() or 1, most)
-    return Parallel(count, run.backend, "generator_unordered", batch_size=1, inner_max_num_threads=1)
-
-
-def _connect_ray(workers: int | None = None) -> int:
-    """Let joblib use Ray's cores: those of this machine, or of the cluster that RAY_ADDRESS names.
-
-    On this machine alone Ray listens on loopback: whoever reaches its ports can run code.
-
-    Args:
-        workers: processes on this machine, where no cluster is named; one per core by default.
-
-    Returns:
-        How many cores it has.
-
-    Raises:
-        MissingPackageError: ray is not installed.
-        InputError: the cluster cannot be reached.
-    """
-    with needs("--backend ray", "ray", group="cluster"):
-        import ray
-        from ray.util.joblib.ray_backend import RayBackend
-
-    if not ray.is_initialized():
-        root = str(Path(__file__).parents[2])
-        path = os.pathsep.join(filter(None, (root, os.getcwd(), os.environ.get("PYTHONPATH"))))
-        address = os.environ.get("RAY_ADDRESS")
-        try:
-            ray.init(
-                num_cpus=None if address else workers,
-                runtime_env={"env_vars": {"PYTHONPATH": path, "NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}},
-                log_to_driver=False,
-                logging_level=logging.ERROR,
-                **({} if address else {"include_dashboard": False, "_node_ip_address": LOOPBACK}),
-            )
-        except (ConnectionError, ValueError, RuntimeError) as error:
-            reason = " ".join(str(error).split())[:120]
-            raise InputError(f"ray cannot be reached (RAY_ADDRESS is {shown(address)}): {reason}") from None
-
-    class Backend(RayBackend):
-        """Hand over finished parts while the rest goes on, as Ray's pool can."""
-
-        supports_return_generator = True
-
-    register_parallel_backend("ray", Backend)
-    return int(ray.cluster_resources()["CPU"])
+    return Parallel(count, "loky", return_as="generator_unordered", batch_size=1, inner_max_num_threads=1)
 
 
 def _worked(work: Callable[[Part, Progress], None], part: Part) -> Part:

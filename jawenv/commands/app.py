@@ -135,7 +135,7 @@ def _suggest_command(
 def _import_command(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="Tracker's .c3d, .trc, .mot, .sto, .h5 or _motion.tsv, or a recording."),
+        typer.Argument(metavar="FILE", help="Tracker's .c3d, .trc, .mot, .sto or .h5, or a recording."),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="A recording (.csv), .mot or .sto.", metavar="FILE")],
     forces: Annotated[

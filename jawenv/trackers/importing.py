@@ -18,7 +18,6 @@ from jawenv.recordings.files import load_record
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.resampling import resampled
 from jawenv.recordings.table import FORMATS, RecordTable, write_table
-from jawenv.trackers.bids_motion import MOTION, parts_of, read_bids_motion
 from jawenv.trackers.c3d import read_c3d
 from jawenv.trackers.forces import at_mouthpiece, only_wrench, with_analog_forces, with_force_file
 from jawenv.trackers.jaw_tracking_system import read_jaw_tracking_system
@@ -45,7 +44,6 @@ READERS: dict[str, Callable[[Path, str | None], Tracks]] = {
     ".sto": read_opensim,
     ".h5": read_jaw_tracking_system,
     ".hdf5": read_jaw_tracking_system,
-    ".tsv": read_bids_motion,
 }
 WRITERS: dict[str, Callable[[Tracks, Path], None]] = {
     ".mot": write_opensim,
@@ -72,7 +70,7 @@ def import_file(path: Path, output: Path, settings: ImportSettings) -> list[str]
     """Make a recording of a tracker's file, or write it as MOT or STO.
 
     Args:
-        path: .c3d, .trc, .mot, .sto, .h5, .hdf5, _motion.tsv, or a recording (.csv, .parquet).
+        path: .c3d, .trc, .mot, .sto, .h5, .hdf5, or a recording (.csv, .parquet).
         output: .csv or .parquet for a recording, .mot or .sto.
         settings: how it is read.
 
@@ -85,8 +83,7 @@ def import_file(path: Path, output: Path, settings: ImportSettings) -> list[str]
     """
     if output.suffix not in (*FORMATS, *WRITERS):
         raise InputError(f"{output}: the ending is {output.suffix!r}; allowed: {', '.join((*FORMATS, *WRITERS))}")
-    read = parts_of(path) if path.name.endswith(MOTION) else [path]
-    check_kept(output, [*read, settings.forces, settings.landmarks, settings.columns])
+    check_kept(output, [path, settings.forces, settings.landmarks, settings.columns])
     if settings.resample_hz is not None and {path.suffix, output.suffix}.isdisjoint(FORMATS):
         raise InputError(f"--resample is given with {output}; allowed: from or to a recording, {' or '.join(FORMATS)}")
     with open_file(path):
@@ -129,7 +126,7 @@ def _of_tracker(path: Path, settings: ImportSettings) -> tuple[Tracks, list[str]
     if settings.landmarks is None:
         return _registered(tracks, names), lines
     axes = tracks.axes.get(names[0], np.eye(3))
-    tracks = tracks.beside(names[0])
+    tracks = tracks.turned(names[0])
     head = None
     if settings.head not in (None, FIXED):
         head = body_motion(tracks, names_of(settings.head, tracks, "--head"))
@@ -155,10 +152,8 @@ def _registered(tracks: Tracks, names: list[str]) -> Tracks:
             f"{tracks.path}: --jaw is {listed(names)}; allowed with --registered: a body with angles ({bodies})"
         )
     if names[0] not in tracks.axes:
-        raise InputError(
-            f"{tracks.path}: states no axes; allowed with --registered: MOT, STO, or BIDS with SpatialAxes"
-        )
-    turned = tracks.beside(names[0])
+        raise InputError(f"{tracks.path}: states no axes; allowed with --registered: MOT or STO")
+    turned = tracks.turned(names[0])
     place, rotations = turned.places[names[0]], turned.rotations[names[0]]
     check_travel(place)
     wrenches = {}

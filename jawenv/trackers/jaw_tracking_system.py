@@ -20,8 +20,7 @@ import numpy as np
 from jawenv.base.errors import InputError, MissingPackageError, reason_of, shown
 from jawenv.base.reading import open_file
 from jawenv.trackers import hdf5_groups
-from jawenv.trackers.bids_motion import matrices
-from jawenv.trackers.tracks import Array, Tracks, is_rate, millimetres
+from jawenv.trackers.tracks import Array, Tracks, is_rate, matrices, millimetres
 
 LARGEST = 128 * 2**20
 """Bytes of all arrays."""

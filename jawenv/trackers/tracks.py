@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from jawenv.base.errors import InputError, printable, shown
 from jawenv.recordings.dialects import number
@@ -43,8 +44,6 @@ class Tracks:
     """(3, 3) from the file's axes to forward, left and up, by the name of what is in them; none where the file is
     silent.
     """
-    frames: dict[str, str] = field(default_factory=dict)
-    """Name of the frame that each point or body is in; without one the same for all."""
     analog: RecordTable | None = None  # channels beside the points, on their clock
 
     def __post_init__(self) -> None:
@@ -68,14 +67,13 @@ class Tracks:
             if not (np.allclose(product, np.eye(3), atol=1e-3) and (np.linalg.det(seen) > 0.0).all()):
                 raise InputError(f"{self.path}: rotations of {shown(name)} mirror or scale; allowed: proper rotations")
 
-    def beside(self, name: str) -> Tracks:
-        """Tracks in the frame of a point or body, turned to forward, left and up where the file states its axes."""
+    def turned(self, name: str) -> Tracks:
+        """Tracks turned to forward, left and up where the file states the axes of a point or body."""
         axes = self.axes.get(name, np.eye(3))
-        names = [one for one in self.places if self.frames.get(one) == self.frames.get(name)]
         return replace(
             self,
-            places={one: self.places[one] @ axes.T for one in names},
-            rotations={one: axes @ self.rotations[one] @ axes.T for one in names if one in self.rotations},
+            places={one: place @ axes.T for one, place in self.places.items()},
+            rotations={one: axes @ matrices @ axes.T for one, matrices in self.rotations.items()},
         )
 
 
@@ -92,6 +90,16 @@ def distinct(labels: Sequence[str]) -> list[str]:
         met[label] += 1
         told.append(label if times[label] == 1 else f"{label} ({met[label]})")
     return told
+
+
+def matrices(quaternions: Array) -> Array:
+    """(T, 3, 3) rotation matrices of quaternions (T, 4), w first; NaN where a quaternion is not finite or 0."""
+    result = np.full((len(quaternions), 3, 3), np.nan)
+    largest = np.abs(quaternions).max(axis=1, initial=0.0, keepdims=True)
+    seen = np.isfinite(quaternions).all(axis=1) & (largest[:, 0] > 1e-100)
+    unit = quaternions[seen] / largest[seen]  # squares of others may be too large or too small
+    result[seen] = Rotation.from_quat(unit, scalar_first=True).as_matrix()
+    return result
 
 
 def listed(names: Iterable[str]) -> str:

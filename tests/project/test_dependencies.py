@@ -64,9 +64,7 @@ def test_numba_is_bounded_by_its_next_minor_version() -> None:
 
 def test_every_requirement_is_pinned_within_its_range() -> None:
     pinned = pins()
-    for requirement in requirements(
-        "all", "sb3", "train", "eval", "cluster", "notebooks", "docs", "foreign", "sbi", "dev"
-    ):
+    for requirement in requirements("all", "sb3", "train", "eval", "notebooks", "docs", "foreign", "sbi", "dev"):
         version = pinned.get(canonicalize_name(requirement.name))
         assert version is not None, f"{requirement.name} is not in constraints.txt"
         assert version in requirement.specifier, f"{requirement} does not allow {version}"
@@ -80,7 +78,7 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
         ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all", "sb3"]),
         ("agents", {"jawenv", "agents"}, ["all", "train"]),
         ("training", {"jawenv", "agents", "training"}, ["all", "train"]),
-        ("eval", {"jawenv", "agents", "training", "eval", "examples"}, ["all", "train", "eval", "cluster", "sbi"]),
+        ("eval", {"jawenv", "agents", "training", "eval", "examples"}, ["all", "train", "eval", "sbi"]),
         ("research", {"jawenv", "agents", "eval", "tests"}, ["all", "train", "eval"]),
     ],
 )

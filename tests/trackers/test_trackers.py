@@ -76,10 +76,6 @@ def written(write, *arguments):
     return lambda path: write(path, files.jaw(), *arguments)
 
 
-def beside(ending, spoil):
-    return lambda path: spoil(path.with_name(path.name.replace("_motion.tsv", ending)))
-
-
 def mirrored(path):
     import h5py
 
@@ -119,20 +115,9 @@ UPSIDE_DOWN = "pitch_deg: -.* allowed: -5 to 45 deg"
         ("hdf5", without("rotations"), {}, "data set 'rotations' is missing"),
         ("mot", replaced("inDegrees=yes", ""), {}, "inDegrees is ''; allowed: yes or no"),
         ("mot", replaced("mandible_rz", "mandible_tx"), {}, "a column stands there twice"),
-        ("bids", beside("_channels.tsv", lambda path: path.write_text("")), {}, "column 'name' is missing"),
-        ("bids", beside("_channels.tsv", replaced("\tmm\tlab", "")), {}, "row 2 has 4 values; allowed: 6"),
-        ("bids", beside("_channels.tsv", replaced("m_y\ty", "m_y\tx")), {}, "stands there twice"),
-        ("bids", beside("_motion.json", replaced("100.0", "1" + "0" * 400)), {}, "SamplingFrequency is"),
-        ("bids", beside("_channels.json", lambda path: path.write_text('{"reference_frame": null}')), {}, "is None"),
-        ("bids", beside("_channels.json", replaced('{"lab": "fixed to the room"}', '"x"')), {}, "Levels is 'x'"),
         ("mot", None, {"unit": "mm"}, "the mouthpiece moves .* allowed: 2 to 100 mm"),
         ("mot", replaced("mandible_rx", "mandible_qx"), {}, "column 'mandible_rx' is missing"),
         ("mot", None, {"registered": True}, "the mouthpiece moves|mouthpiece_.* allowed: within 30 mm"),
-        ("bids", written(files.write_bids, "furlong"), {}, "has unit 'furlong'; allowed: mm"),
-        ("bids", beside("_channels.tsv", replaced("\tquat_w", "\tw")), {}, "channel of component 'quat_w' is missing"),
-        ("bids", beside("_motion.json", replaced("100", "0")), {}, "SamplingFrequency is 0"),
-        ("bids", None, {"registered": True}, "states no axes; allowed with --registered"),
-        ("bids", None, {"registered": False}, "axes are not stated; allowed: one of --landmarks FILE"),
     ],
 )
 def test_a_spoilt_file_is_refused_or_asked_about_in_one_line(kind, spoil, settings, message, tmp_path):

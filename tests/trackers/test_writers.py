@@ -241,7 +241,7 @@ def test_the_worst_row_of_markers_is_judged_too(tmp_path):
 
 
 def test_quaternions_of_any_size_are_rotations():
-    from jawenv.trackers.bids_motion import matrices
+    from jawenv.trackers.tracks import matrices
 
     turned = Rotation.from_rotvec([[0.1, 0.2, 0.3]])
     for size in (1e-90, 1.0, 1e300):

@@ -127,7 +127,6 @@ def test_two_entries_of_one_name_are_refused(tmp_path):
         (["nothing"], "study is 'nothing'; allowed: agents, calibration, clinic, cohorts, force_sensors, headline"),
         (["nothing.yaml"], "nothing.yaml: no such file"),
         ([], "study is none; allowed: agents, calibration, clinic, cohorts, force_sensors, headline"),
-        (["headline", "--backend", "dask"], "backend is 'dask'; allowed: loky, ray"),
         (["headline", "--workers", "0"], "--workers"),
         (["broken.yaml"], "broken.yaml: damaged YAML"),
     ],

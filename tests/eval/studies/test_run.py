@@ -2,8 +2,6 @@
 
 import errno
 import os
-import sys
-from pathlib import Path
 
 import pandas as pd
 import pyarrow.parquet as pq
@@ -13,11 +11,9 @@ import yaml
 from eval.commands.app import main
 from eval.kept import tables
 from eval.kept.cells import play_cells
-from eval.kept.parts import Run, finish
+from eval.kept.parts import Run
 from eval.studies import grid
 from eval.studies.design import Design
-from jawenv.base.errors import InputError
-from tests.eval.kept.test_parts import parts_in, refuse
 
 SMALL = {
     "title": "Small",
@@ -134,20 +130,3 @@ def test_two_processes_give_the_same_numbers(alone, tmp_path):
 def test_parts_of_another_size_give_the_same_numbers(alone, tmp_path, monkeypatch):
     monkeypatch.setattr(grid, "PATIENTS_IN_A_PART", 2)
     pd.testing.assert_frame_equal(played(tmp_path, Run(workers=1)), alone, check_exact=True)
-
-
-def test_ray_gives_the_same_numbers_and_the_same_refusals(alone, tmp_path):
-    ray = pytest.importorskip("ray", reason="ray is not installed: .ci/setup cluster")
-    try:
-        rows = played(tmp_path, Run(workers=2, backend="ray"))
-        pd.testing.assert_frame_equal(rows, alone, check_exact=True)
-        with pytest.raises(InputError):
-            finish(parts_in(tmp_path, 4), refuse, Path.read_text, "items", Run(workers=2, backend="ray"))
-    finally:
-        ray.shutdown()
-
-
-def test_without_ray_the_remedy_is_one_line(study, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "ray", None)
-    assert study("--backend", "ray") == 2
-    assert capsys.readouterr().err == "error: --backend ray needs ray: .ci/setup cluster\n"
