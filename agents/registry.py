@@ -40,9 +40,9 @@ def load_agent(
 
     Args:
         spec: a hand-made maneuver's name (`names()`), a policy's that comes with the project (`policy_names()`), a
-            baseline's (`BASELINES`), a planner's (`PLANNERS`), a maneuver file, recorded actions (.npz), the folder
-            of a training run or an exported policy, a stable-baselines3 checkpoint, or a class or function of one's
-            own, as ``package.module:Name``, which gets control and control_hz if its signature takes them.
+            baseline's (`BASELINES`), a planner's (`PLANNERS`), a maneuver file, recorded actions (.safetensors), the
+            folder of a training run or an exported policy, a stable-baselines3 checkpoint, or a class or function of
+            one's own, as ``package.module:Name``, which gets control and control_hz if its signature takes them.
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
@@ -54,7 +54,7 @@ def load_agent(
     named = named_agent(spec, control, control_hz, env_id)
     if named is not None:
         return named
-    if path.suffix == ".npz":
+    if path.suffix == ".safetensors":
         from agents.replay import Replay
 
         return in_control(Replay.load(path), control, control_hz)
@@ -100,7 +100,7 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
         return ()
     if (folder := policy_folder(spec)) is not None:
         return (folder / CARD, folder / WEIGHTS)
-    if path.suffix in (*SUFFIXES, ".npz"):
+    if path.suffix in (*SUFFIXES, ".safetensors"):
         return (path,)
     if path.exists():
         run = card_of(path)

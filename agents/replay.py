@@ -13,9 +13,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from safetensors.numpy import save
 
-from agents.array_files import load_arrays, save_arrays
 from jawenv.base.errors import InputError, printable, shown
+from jawenv.base.files import atomic_write
+from jawenv.base.reading import read_bytes
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.playing.agents import Action, Agent, Array, BatchAgent, Mask, Observation, State
@@ -24,9 +26,11 @@ from jawenv.playing.maneuvers.maneuver import goals_of
 from jawenv.playing.maneuvers.written import maneuver_of_targets
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import TargetsLaw
+from jawenv.playing.policies.plain import arrays_in
 from jawenv.playing.rollout import DEFAULT_ENV, play
 
-LONGEST_NAME = 200  # characters
+LARGEST = 256 * 2**20
+"""Bytes: the actions of a thousand patients over ten minutes take 200 MB."""
 
 
 class Replay(BatchAgent):
@@ -55,19 +59,22 @@ class Replay(BatchAgent):
     @classmethod
     def load(cls, path: Path) -> Replay:
         """Read a file of ``save``."""
-        name, actions, hz = load_arrays(path, ("name", "actions", "decision_hz"), "recorded actions")
+        held = arrays_in(path, read_bytes(path, LARGEST))
+        if set(held) != {"actions", "decision_hz"}:
+            raise InputError(f"{path}: holds {shown(sorted(held))}; allowed: actions and decision_hz")
+        actions, hz = held["actions"], held["decision_hz"]
         right = actions.ndim == 3 and actions.shape[2] == len(CHANNELS) and actions.size and actions.dtype.kind == "f"
         if not right or not (np.abs(actions) <= 1.0).all():
             raise InputError(f"{path}: actions have shape {actions.shape}; allowed: (N, T, 4), each in [-1, 1]")
         if hz.shape != () or hz.dtype.kind not in "iuf" or not 0.0 < hz < np.inf:
             raise InputError(f"{path}: decision_hz is {shown(hz.tolist())}; allowed: a positive number")
-        if name.shape != () or name.dtype.kind != "U" or not 0 < name.dtype.itemsize // 4 <= LONGEST_NAME:
-            raise InputError(f"{path}: name is of type {name.dtype}; allowed: text of 1 to {LONGEST_NAME} characters")
-        return cls(printable(str(name)), actions.astype(np.float64), float(hz))
+        return cls(printable(path.stem), actions.astype(np.float64), float(hz))
 
     def save(self, path: Path) -> None:
-        """Write all (.npz), wholly or not at all."""
-        save_arrays(path, name=self.name, actions=self._actions, decision_hz=self.decision_hz)
+        """Write actions and rate (.safetensors), wholly or not at all; the file's name is the label."""
+        content = save({"actions": np.ascontiguousarray(self._actions), "decision_hz": np.array(self.decision_hz)})
+        with atomic_write(path) as unfinished:
+            unfinished.write_bytes(content)
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """Begin again."""

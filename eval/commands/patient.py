@@ -40,17 +40,16 @@ def _patient_command(
     ] = False,
     seed: options.Seed = REPORTS[0].start,
     output: options.Output = Path("runs/patient"),
-    fresh: options.Fresh = False,
     trust: options.Trust = False,
 ) -> None:
     """Treat one patient or a few, and write for each a page on stiff muscles and their certainty.
 
-    Writes patient-NAME.html, which prints on one sheet, and verdicts.parquet. Ctrl-C keeps the treatments that are
-    over: the same command goes on from there.
+    Writes patient-NAME.html, which prints on one sheet, and verdicts.parquet.
     """
     import pandas as pd
 
     from eval.kept.entries import Settings, env_of_runs, load_entries
+    from eval.kept.parts import folder_for
     from eval.kept.tables import made_with, write_table
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
@@ -63,7 +62,8 @@ def _patient_command(
     people = persons(seed, patients, patient or [])
     (loaded,) = load_entries([entry], settings.world, trust=trust)
     console = terminal()
-    courses = play_courses(loaded, plan, people, output, fresh=fresh, console=console)
+    folder_for(output, ".")
+    courses = play_courses(loaded, plan, people, console)
     metadata = made_with(typed(), settings=settings.to_mapping(), course=asdict(plan), entry=loaded.about())
     prior = population_of(loaded).prior
     rows = [

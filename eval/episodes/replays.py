@@ -20,7 +20,7 @@ from jawenv.playing.maneuvers.written import save_maneuver
 
 
 def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Console | None = None) -> Path:
-    """Play an entry and write its averaged targets as a maneuver file, and beside it all its actions as .npz.
+    """Play an entry and write its averaged targets as a maneuver file, and beside it all its actions as .safetensors.
 
     Args:
         entry: says where the jaw shall be.
@@ -44,7 +44,7 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
             env_id=entry.env_id,
             progress=lambda step, steps: progress.advance_to(seconds * step / steps),
         )
-        yoked.save(path.with_suffix(".npz"))
+        yoked.save(path.with_suffix(".safetensors"))
         return save_maneuver(maneuver, path)
 
 
@@ -81,7 +81,7 @@ def add_replays(
             replay_of_entry(entry, averaged, path, console)
         replays[entry.label] = (
             _entry_of(path, entry, "replay"),
-            _entry_of(path.with_suffix(".npz"), entry, "yoked replay"),
+            _entry_of(path.with_suffix(".safetensors"), entry, "yoked replay"),
         )
     return [played for entry in entries for played in (entry, *replays.get(entry.label, ()))]
 

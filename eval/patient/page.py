@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from eval.figures import words
 from eval.kept.entries import Entry
-from eval.patient import believed, charts, drawing, pairs
+from eval.patient import believed, charts, drawing
 from eval.patient.changes import Change, change_in_words, change_of
 from eval.patient.charts import SD_95, Axis
 from eval.patient.courses import Person
@@ -84,7 +84,6 @@ class Subject:
     notice: str  # disclaimer
     prior: Prior  # belief about the muscles before the first treatment
     effects: str = ""  # effects unknown to the estimate; empty for none
-    recorded: bool = False  # whether it is a recording, of which confused pairs are drawn
 
     @classmethod
     def simulated(cls, entry: Entry, person: Person, plan: Course, seconds: float) -> Subject:
@@ -144,7 +143,6 @@ def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, An
         confidence=f"{100.0 * CONFIDENCE:g}",
         show_truth=show_truth,
         changes=changed is not None,
-        confused=subject.recorded and not course[-1].rings and pairs.confused(course[-1], show_truth),
         believed=shown and (believed.figure(shown), believed.in_words(shown)),
         about=metadata,
     )

@@ -12,8 +12,6 @@ from gymnasium import spaces
 import jawenv
 from agents.replay import Replay
 from eval.kept.tables import write_table
-from eval.patient.courses import save as save_treatment
-from eval.patient.treatments import Treatment
 from jawenv.anatomy import cohort
 from jawenv.ladder import model_named
 from jawenv.recordings import defaults
@@ -88,16 +86,7 @@ def table(folder: Path) -> None:
 
 def replay(folder: Path) -> None:
     """Recorded actions."""
-    Replay("replay", np.random.default_rng(0).uniform(-1, 1, (2, 10, 4)), 5.0).save(folder / "a.npz")
-
-
-def treatment(folder: Path) -> None:
-    """A treatment at five times."""
-    rng = np.random.default_rng(0)
-    held = Treatment(
-        np.arange(5.0), rng.normal(size=(5, 4)), rng.normal(size=(5, 4, 4)), np.ones(4), violated=False, misfit=0.3
-    )
-    save_treatment(held, folder / "a.npz")
+    Replay("replay", np.random.default_rng(0).uniform(-1, 1, (2, 10, 4)), 5.0).save(folder / "a.safetensors")
 
 
 class _Blank(gym.Env):

@@ -16,7 +16,6 @@ from agents.evaluations import read_evaluations
 from agents.policies import load_policy
 from agents.replay import Replay
 from eval.kept.tables import read_table
-from eval.patient.courses import load as load_treatment
 from eval.studies.design import read as read_study
 from eval.studies.design import shipped as shipped_studies
 from jawenv import Anatomy, Cohort, Device, Patient
@@ -103,15 +102,14 @@ def _record(path: Path) -> Any:
     return repr([part.tobytes() for part in (record.time, record.measured, record.samples, record.start_mean)])
 
 
-def _tracker(name: str, file: str, write: Callable[..., object], damaged: str = "") -> Format:
-    """A tracker's file; or, of several that belong together, the one with another ending."""
+def _tracker(name: str, file: str, write: Callable[..., object]) -> Format:
+    """A tracker's file."""
 
     def read(folder: Path) -> Any:
         tracks = READERS[Path(file).suffix](folder / file, None)
         return repr([tracks.time.tobytes(), *(part.tobytes() for part in tracks.places.values())])
 
-    place = file.removesuffix("_motion.tsv") + damaged if damaged else file
-    return Format(name, place, lambda folder: write(folder / file, tracker_files.jaw()), read)
+    return Format(name, file, lambda folder: write(folder / file, tracker_files.jaw()), read)
 
 
 def _landmarks(path: Path) -> Any:
@@ -120,7 +118,7 @@ def _landmarks(path: Path) -> Any:
 
 
 def _replay(folder: Path) -> Any:
-    replay = Replay.load(folder / "a.npz")
+    replay = Replay.load(folder / "a.safetensors")
     return replay.name, replay.decision_hz, contents.actions_of(replay)
 
 
@@ -132,7 +130,6 @@ def _shipped_policy(folder: Path) -> None:
     shutil.copytree(SHIPPED / "ppo_trismus", folder, dirs_exist_ok=True)
 
 
-_BIDS = ("a_motion.tsv", tracker_files.write_bids)
 _COLUMNS = """time_s = {name = "t", unit = "ms"}
 mouthpiece_x_mm = {name = "Z", unit = "m", sign = -1}
 """
@@ -141,7 +138,6 @@ incisor = [120.4, -312.0, 871.5]
 molar_left = [98.1, -297.3, 862.0]
 molar_right = "MR"
 """
-_NPZ = ("a.npz", contents.replay, _replay)
 _CHECKPOINT = ("step_1.zip", contents.checkpoint, lambda folder: repr(read_counts(folder / "step_1.zip")))
 _WEIGHTS = ("policy.safetensors", _shipped_policy, _policy)
 
@@ -161,19 +157,13 @@ FORMATS = (
     Format("recording in CSV", "a.csv", contents.recording, lambda folder: _record(folder / "a.csv")),
     Format("recording", "a.parquet", contents.recording, lambda folder: _record(folder / "a.parquet"), True),
     Format("results", "a.parquet", contents.table, _table, has_checksums=True),
-    Format("recorded actions", *_NPZ, has_checksums=True),
-    Format("recorded actions, anew", *_NPZ, **_member("actions.npy")),
-    Format("treatment", "a.npz", contents.treatment, lambda folder: repr(load_treatment(folder / "a.npz")), True),
+    Format("recorded actions", "a.safetensors", contents.replay, _replay),
     Format("checkpoint", *_CHECKPOINT, has_checksums=True),
     Format("checkpoint's settings, anew", *_CHECKPOINT, **_member("data")),
     _tracker("C3D", "a.c3d", tracker_files.write_c3d),
     _tracker("HDF5", "a.h5", tracker_files.write_hdf5),
     _tracker("TRC", "a.trc", tracker_files.write_trc),
     _tracker("MOT", "a.mot", tracker_files.write_mot),
-    _tracker("BIDS-Motion", *_BIDS),
-    _tracker("BIDS-Motion's channels", *_BIDS, "_channels.tsv"),
-    _tracker("BIDS-Motion's frames", *_BIDS, "_channels.json"),
-    _tracker("BIDS-Motion's words", *_BIDS, "_motion.json"),
     _text("landmarks", "a.toml", _LANDMARKS, _landmarks),
     _text("columns of a recording", "a.toml", _COLUMNS, read_columns),
 )

@@ -150,12 +150,17 @@ def on_maneuver(policy: Agent, path: Path, card: ModelCard) -> Agent:
     return ResidualPolicy(policy, base, path, card.environment.world().parts)
 
 
-def _checked(path: Path, architecture: Architecture, content: bytes) -> dict[str, np.ndarray]:
-    """The weights in a file, of the shapes of an architecture."""
+def arrays_in(path: Path, content: bytes) -> dict[str, np.ndarray]:
+    """The arrays that a file of safetensors holds, by their names."""
     try:
-        weights = load(content)
+        return load(content)
     except (SafetensorError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: damaged safetensors: {' '.join(str(error).split())[:120]}") from None
+
+
+def _checked(path: Path, architecture: Architecture, content: bytes) -> dict[str, np.ndarray]:
+    """The weights in a file, of the shapes of an architecture."""
+    weights = arrays_in(path, content)
     shapes = architecture.shapes()
     if set(weights) != set(shapes):
         odd = sorted(set(weights) ^ set(shapes))

@@ -11,7 +11,7 @@ import pytest
 from eval.commands.app import main
 from eval.commands.patient import as_a_clinic
 from eval.kept.entries import Settings, load_entries
-from eval.patient import courses, page
+from eval.patient import page
 from eval.patient.courses import Person
 from eval.patient.treatments import Course, first_treatment
 from jawenv import MUSCLE_NAMES, Patient
@@ -157,28 +157,6 @@ def test_what_rang_once_leaves_no_verdict_to_later_treatments(three):
     assert "do not fit the model in treatment 2:" in text
 
 
-def test_a_course_goes_on_where_it_was_interrupted(tmp_path, monkeypatch, capsys):
-    original, played, interrupt_at = courses.next_treatment, [], [3]
-
-    def interrupted(entry, last, number, *rest):
-        if number in interrupt_at:
-            raise KeyboardInterrupt
-        played.append(number)
-        return original(entry, last, number, *rest)
-
-    monkeypatch.setattr(courses, "next_treatment", interrupted)
-    arguments = [RICH, *SHORT, "--treatments", "3", "--drift", "0.02"]
-    assert run(tmp_path, *arguments) == 130 and "interrupted" in capsys.readouterr().err
-    interrupt_at.clear()
-    assert run(tmp_path, *arguments) == 0
-    assert played == [2, 3]
-    rows = pd.read_parquet(tmp_path / "verdicts.parquet")
-    assert list(rows["treatment"].unique()) == [1, 2, 3]
-    assert run(tmp_path / "whole", *arguments) == 0
-    whole = pd.read_parquet(tmp_path / "whole" / "verdicts.parquet")
-    pd.testing.assert_frame_equal(rows, whole)
-
-
 IMAGED = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
 
 
@@ -216,16 +194,6 @@ def test_a_page_with_all_that_it_can_hold_prints_on_one_sheet(changed, monkeypat
     sheet = page.pdf(prefer_css_page_size=True)
     page.context.close()
     assert len(re.findall(rb"/Type\s*/Page[^s]", sheet)) == 1
-
-
-def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
-    assert run(tmp_path, "hold_still", *SHORT) == 0
-    (kept,) = (tmp_path / "treatments").glob("*.npz")
-    kept.write_bytes(b"PK no archive")
-    assert run(tmp_path, "hold_still", *SHORT) == 2
-    error = capsys.readouterr().err
-    assert "is damaged" in error and "delete it, or use --fresh" in error and error.count("\n") == 1
-    assert run(tmp_path, "hold_still", *SHORT, "--fresh") == 0
 
 
 @pytest.mark.parametrize(
