@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import pandas as pd
+
+from eval.figures.statistics import Interval
 
 Verdict = Literal["reproduced", "partly", "not reproduced"]
 NO_NUMBER = "The thesis gives no number."
@@ -17,10 +19,13 @@ NO_NUMBER = "The thesis gives no number."
 class Judgement:
     """Judgement of an item by its draws."""
 
-    measured: str  # our measurement with its interval, in a sentence or two
-    verdict: Verdict  # computed from the draws
-    why: str  # reason of the verdict
-    numbers: dict[str, float] = field(default_factory=dict)  # the figures behind it, by name
+    verdict: Verdict
+    figures: dict[str, Interval]  # what was measured, by a name with its unit
+
+
+def judged(whole: bool, part: bool, figures: dict[str, Interval]) -> Judgement:
+    """Judgement of a result that the draws reproduce as a whole, or in part."""
+    return Judgement("reproduced" if whole else "partly" if part else "not reproduced", figures)
 
 
 @dataclass(frozen=True)

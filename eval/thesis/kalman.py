@@ -9,9 +9,10 @@ import numpy as np
 import pandas as pd
 
 from agents import load_agent
-from eval.figures import statistics, words
+from eval.figures import statistics
+from eval.figures.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict
+from eval.thesis.item import NO_NUMBER, Item, Judgement, judged
 from jawenv.playing.rollout import play
 from jawenv.recordings.record import Record
 from jawenv.references.extended_kalman import ExtendedKalman
@@ -24,7 +25,7 @@ THREE_SIGMA = 0.9973  # of a normal distribution
 
 THESIS = ExtendedKalman("linear", parameter_rate=0.01, parameter_time=math.inf)
 OURS = ExtendedKalman("log")
-_TOLD = {"linear": "F_o and b themselves (thesis)", "log": "their logs"}
+_TOLD = {"linear": "F_o and b", "log": "their logs"}
 NOISES = {
     "none, F_o and b": ExtendedKalman("linear", parameter_rate=0.0, parameter_time=math.inf),
     "constant, F_o and b": THESIS,
@@ -67,40 +68,20 @@ def _inside(table: pd.DataFrame, sigmas: float) -> pd.Series:
 
 def judge_sides(table: pd.DataFrame) -> Judgement:
     """Converging: sds fall; accurate: errors within 3 sigma at the end of nearly all draws."""
-    sentences: list[str] = []
-    numbers: dict[str, float] = {}
-    verdicts: dict[str, bool] = {}
-    for case in ("linear", "log"):
+    figures: dict[str, Interval] = {}
+    known, good = {}, {}
+    for case, told in _TOLD.items():
         end = rows.last(rows.of_case(table, case))
-        inside = statistics.share(_inside(end, 3.0).groupby(end["draw"]).all().to_numpy())
-        error, sd = rows.rmse(end), statistics.quantile(end.groupby("draw")["sd"].max().fillna(np.inf).to_numpy(), 0.5)
-        nees = statistics.quantile(end.groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5)
-        sentences.append(
-            f"{_TOLD[case]}: error {rows.with_interval(error)}, "
-            f"worst sd {words.percent(sd.value)} %, all four within 3σ in {rows.with_interval(inside)} of the draws, "
-            f"median NEES {words.number(nees.value)} (calibrated: 3.4)"
-        )
-        numbers |= {f"rmse/{case}": error.value, f"inside_3_sigma/{case}": inside.value, f"worst_sd/{case}": sd.value}
-        verdicts[case] = error.value < KNOWN and inside.high >= THREE_SIGMA**4
-    good = verdicts["linear"] or verdicts["log"]
-    verdict: Verdict = (
-        "reproduced" if verdicts["linear"] else "partly" if good or numbers["rmse/linear"] < KNOWN else "not reproduced"
-    )
-    return Judgement(
-        "Estimated as " + "; as ".join(sentences) + ".",
-        verdict,
-        f"Converges to within {words.percent(KNOWN, 0)} %"
-        + (
-            " and stays within 3σ."
-            if verdicts["linear"]
-            else "; as F_o and b themselves the errors leave 3σ too often."
-            if numbers["rmse/linear"] < KNOWN
-            else " in logs only."
-            if verdicts["log"]
-            else ": not so."
-        ),
-        numbers,
-    )
+        inside, error = statistics.share(_inside(end, 3.0).groupby(end["draw"]).all().to_numpy()), rows.rmse(end)
+        figures |= {
+            f"error of {told}, %": rows.percent(error),
+            f"worst sd of {told}, %": rows.percent(rows.over_draws(end, "sd")),
+            f"all within 3σ of {told}, %": rows.percent(inside),
+            f"median NEES of {told} (calibrated: 3.4)": rows.over_draws(end, "nees"),
+        }
+        known[case] = error.value < KNOWN
+        good[case] = known[case] and inside.high >= THREE_SIGMA**4
+    return judged(good["linear"], good["log"] or known["linear"], figures)
 
 
 def _draw_full(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
@@ -131,23 +112,12 @@ def judge_full(table: pd.DataFrame) -> Judgement:
     slow = statistics.quantile(_time_to_known(table, "log"), 0.5)
     fast = statistics.quantile(_time_to_known(table, "two sides"), 0.5)
     prior = float(rows.of_case(table, "log").groupby("draw")["sd"].max().median())
-    spacing = float(np.diff(np.unique(rows.of_case(table, "log")["time_s"])).max())
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
-    return Judgement(
-        f"Median error of the 12 parameters after the maneuver: {rows.with_interval(error['linear'])} as F_o and b "
-        f"themselves, {rows.with_interval(error['log'])} in logs. Half of the parameters are within 10 % after "
-        f"{rows.with_interval(slow, 1.0, ' s')}, of the two-sided model's four after "
-        f"{rows.with_interval(fast, 1.0, ' s')} (looked at every {words.number(spacing, 2)} s).",
-        "reproduced" if tracked and slower else "partly" if tracked or slower else "not reproduced",
-        ("Twelve are tracked" if tracked else "Twelve are not tracked")
-        + (", more slowly than four." if slower else ", not more slowly than four."),
-        {
-            "rmse/linear": error["linear"].value,
-            "rmse/log": error["log"].value,
-            "slow_s": slow.value,
-            "fast_s": fast.value,
-        },
-    )
+    figures = {f"error of {told}, %": rows.percent(error[case]) for case, told in _TOLD.items()} | {
+        "half of the 12 within 10 % after, s": slow,
+        "half of the four within 10 % after, s": fast,
+    }
+    return judged(tracked and slower, tracked or slower, figures)
 
 
 def _draw_noise(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
@@ -160,28 +130,14 @@ def judge_noise(table: pd.DataFrame) -> Judgement:
     """Judge whether the filter is further off without noise on the parameters than with it."""
     end = rows.last(table)
     error = {case: rows.rmse(rows.of_case(end, case)) for case in NOISES}
-    nees = {
-        case: statistics.quantile(
-            rows.of_case(end, case).groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5
-        )
-        for case in NOISES
-    }
+    nees = {case: rows.over_draws(rows.of_case(end, case), "nees") for case in NOISES}
     prior = float(table.groupby("draw")["sd"].max().median())
     without, with_noise = error["none, F_o and b"], error["constant, F_o and b"]
-    fails = without.value > 0.5 * prior
     worse = without.low > with_noise.high
-    listed = "; ".join(
-        f"{case}: error {rows.with_interval(error[case])}, median NEES {words.number(nees[case].value)}"
-        for case in NOISES
-    )
     overconfident = nees["none, F_o and b"].low > nees["constant, F_o and b"].high
-    return Judgement(
-        f"Noise on the parameters {listed} (calibrated: 11.3).",
-        "reproduced" if fails and worse else "partly" if worse or overconfident else "not reproduced",
-        ("Without noise it does not converge" if fails else "Without noise it does converge")
-        + (", and is further off." if worse else ", but claims too much." if overconfident else " and is no worse."),
-        {f"rmse/{case}": error[case].value for case in NOISES} | {f"nees/{case}": nees[case].value for case in NOISES},
-    )
+    figures = {f"error, noise {case}, %": rows.percent(error[case]) for case in NOISES}
+    figures |= {f"median NEES, noise {case} (calibrated: 11.3)": nees[case] for case in NOISES}
+    return judged(without.value > 0.5 * prior and worse, worse or overconfident, figures)
 
 
 _SETTING = (

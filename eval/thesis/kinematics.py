@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from eval.figures import statistics, words
+from eval.figures import statistics
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, judged, one_by_one
 from eval.thesis.methods.point_kinematics import compatible_range
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, lowering_then_sideways
@@ -69,27 +69,15 @@ def judge(table: pd.DataFrame) -> Judgement:
     forward, down = first.loc[opened, "pose_x_mm"], -first.loc[opened, "pose_z_mm"]
     path_known = pose.value < CLOSE_MM and forward > 0.0 and down > 0.0
     aside = _aside_range()
-    alone = float(np.ptp(aside)) < 2.0 * CLOSE_MM
-    verdict: Verdict = "reproduced" if path_known and alone else "partly" if path_known else "not reproduced"
-    by_pose, by_point = (rows.with_interval(error, 1.0, " mm", 2) for error in (pose, point))
-    return Judgement(
-        f"The condyle is found within {by_pose}, root mean square, from the six numbers of the mouthpiece's pose. "
-        f"Fully open it has moved {words.number(forward)} mm forward and {words.number(down)} mm down. From the "
-        f"mouthpiece's place alone, as the thesis has it, it is found within {by_point} if of all poses the one with "
-        "the smallest motion is taken; but with the jaw aside the same place is as well that of a condyle anywhere "
-        f"between {words.number(aside[0])} and {words.number(aside[1])} mm to the left.",
-        verdict,
-        "The path is found where the pose is measured"
-        + ("." if alone else "; three numbers do not determine five coordinates, and bounds do not make them unique."),
-        {
-            "pose_rms_mm": pose.value,
-            "point_rms_mm": point.value,
-            "forward_mm": forward,
-            "down_mm": down,
-            "aside_least_mm": float(aside[0]),
-            "aside_greatest_mm": float(aside[1]),
-        },
-    )
+    figures = {
+        "condyle's error from the pose, mm": pose,
+        "condyle's error from the place, the smallest motion taken, mm": point,
+        "condyle forward, fully open, mm": rows.alone(forward),
+        "condyle down, fully open, mm": rows.alone(down),
+        "condyle to the left from the place alone, least, mm": rows.alone(float(aside[0])),
+        "condyle to the left from the place alone, greatest, mm": rows.alone(float(aside[1])),
+    }
+    return judged(path_known and float(np.ptp(aside)) < 2.0 * CLOSE_MM, path_known, figures)
 
 
 ITEM = Item(

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, judged, one_by_one
 from eval.thesis.methods.least_squares import LinearLeastSquares, NonlinearLeastSquares
 from eval.thesis.methods.moment_balance import balance_of
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, SENSORS, full_record, plane_record
-from eval.thesis.spread import Spread, spreads
 from jawenv.metrics import STIFF_F_O_N
 from jawenv.recordings.record import Record
 
@@ -39,45 +41,35 @@ def _draw_linear(rng: np.random.Generator) -> pd.DataFrame:
 
 def judge_linear(table: pd.DataFrame) -> Judgement:
     """A bias of b beyond three of its sds, which are small; none where F_o has either sign, and so b no mean."""
-    exponents = [spread for spread in spreads(table) if not spread.is_force]
-    one_sided = [
-        spread for spread in exponents if np.isfinite(spread.bias_sds) and not _either_sign(table, spread.parameter)
-    ]
-    worst = max((abs(spread.bias_sds) for spread in one_sided), default=float("nan"))
-    biased = worst > 3.0
-    negative = float((rows.kind(table, "log_F_o")["value"] < 0.0).mean())
-    return Judgement(
-        f"{', '.join(_linear_text(table, s) for s in exponents)} (mean ± sd over {table['draw'].nunique()} draws, "
-        "where there is a mean). The largest "
-        f"bias is {words.number(worst, 0)} sds. {words.percent(negative, 0)} % of the F_o come out negative.",
-        "reproduced" if biased else "not reproduced",
-        "A bias of more than 3 sds in b, from the expansion about zero stretch."
-        if biased
-        else "No b is off by more than 3 of its sds.",
-        {f"b_bias_sds/{words.muscle(spread.parameter)}": spread.bias_sds for spread in one_sided}
-        | {"negative_F_o": negative},
-    )
+    fits = rows.spreads(table)
+    biased = {
+        name: fit
+        for name, fit in fits[fits.index.str.startswith("log_b/")].iterrows()
+        if np.isfinite(fit["bias_sds"]) and not _either_sign(table, str(name))
+    }
+    figures = _means(biased) | {
+        f"bias of {words.parameter(str(name))}, sds": rows.alone(fit["bias_sds"]) for name, fit in biased.items()
+    }
+    negative = (rows.kind(table, "log_F_o")["value"] < 0.0).mean()
+    figures["F_o that come out negative, %"] = rows.alone(100.0 * float(negative))
+    return judged(max((abs(fit["bias_sds"]) for fit in biased.values()), default=0.0) > 3.0, False, figures)
 
 
-def _force_of(parameter: str) -> str:
-    return parameter.replace("log_b/", "log_F_o/")
+def _means(fits: Mapping[Any, pd.Series]) -> dict[str, Interval]:
+    """Means of parameters, with one sd to either side for the ends of an interval."""
+    return {
+        f"{words.parameter(str(name))} for {words.number(fit['truth'], 2)}, mean and one sd": Interval(
+            fit["mean"], fit["mean"] - fit["sd"], fit["mean"] + fit["sd"]
+        )
+        for name, fit in fits.items()
+    }
 
 
 def _either_sign(table: pd.DataFrame, parameter: str) -> bool:
     """Whether F_o is negative in 1 to 99 % of the draws: b, a quotient by it, then has no mean."""
-    negative = float((table.loc[table["parameter"] == _force_of(parameter), "value"] < 0.0).mean())
+    force = parameter.replace("log_b/", "log_F_o/")
+    negative = float((table.loc[table["parameter"] == force, "value"] < 0.0).mean())
     return 0.01 < negative < 0.99
-
-
-def _linear_text(table: pd.DataFrame, spread: Spread) -> str:
-    """Mean and sd in words, or the middle of the draws where F_o has either sign."""
-    if not _either_sign(table, spread.parameter):
-        return spread.text()
-    low, high = table.loc[table["parameter"] == spread.parameter, "value"].quantile([0.16, 0.84])
-    return (
-        f"b {words.muscle(spread.parameter)} without a mean, since F_o has either sign (middle 68 % of the draws: "
-        f"{words.number(low, 0)} to {words.number(high, 0)}) for {words.number(spread.truth, 2)}"
-    )
 
 
 def _nonlinear(clean: Record, rng: np.random.Generator) -> pd.DataFrame:
@@ -96,24 +88,24 @@ def _draw_plane(rng: np.random.Generator) -> pd.DataFrame:
 
 def judge_plane(table: pd.DataFrame) -> Judgement:
     """Means close to the truth with the noise of the sensors."""
-    fits = spreads(rows.of_case(table, "sensors"))
-    other = spreads(rows.of_case(table, "sensors and forces"))
-    close, inside = sum(abs(spread.bias) <= CLOSE for spread in fits), sum(spread.inside for spread in fits)
-    return Judgement(
-        f"{', '.join(spread.text() for spread in fits)} (mean ± sd over {table['draw'].nunique()} draws, noise of the "
-        "sensors). With forces that no model explains on top, the largest bias is "
-        f"{words.percent(max(abs(spread.bias) for spread in other), 0)} % and the largest sd "
-        f"{words.percent(max(s.relative_sd for s in other), 0)} %.",
-        "reproduced"
-        if close == len(fits)
-        else "partly"
-        if inside == len(fits) or 2 * close >= len(fits)
-        else "not reproduced",
-        f"{close} of {len(fits)} means lie within {words.percent(CLOSE, 0)} % of the truth, and {inside} truths within "
-        "one sd of the mean.",
-        {f"bias/{spread.parameter}": spread.bias for spread in fits}
-        | {f"bias_with_forces/{spread.parameter}": spread.bias for spread in other},
-    )
+    fits = rows.spreads(rows.of_case(table, "sensors"))
+    close, inside = (fits["bias"].abs() <= CLOSE).sum(), fits["inside"].sum()
+    part = inside == len(fits) or 2 * close >= len(fits)
+    return judged(close == len(fits), bool(part), _means(dict(fits.iterrows())) | _counts(table))
+
+
+def _counts(table: pd.DataFrame) -> dict[str, Interval]:
+    """Numbers of means near the truth, and the largest bias and sd, as figures."""
+    fits = rows.spreads(rows.of_case(table, "sensors"))
+    figures = {
+        f"means within {100.0 * CLOSE:g} % of the truth, of {len(fits)}": (fits["bias"].abs() <= CLOSE).sum(),
+        f"truths within one sd of the mean, of {len(fits)}": fits["inside"].sum(),
+    }
+    for case in NOISES:
+        fits = rows.spreads(rows.of_case(table, case))
+        figures[f"largest bias, noise of {case}, %"] = 100.0 * fits["bias"].abs().max()
+        figures[f"largest sd, noise of {case}, %"] = 100.0 * (fits["sd"] / fits["truth"]).max()
+    return {name: rows.alone(float(value)) for name, value in figures.items()}
 
 
 def _draw_full(rng: np.random.Generator) -> pd.DataFrame:
@@ -123,27 +115,10 @@ def _draw_full(rng: np.random.Generator) -> pd.DataFrame:
 
 def judge_full(table: pd.DataFrame) -> Judgement:
     """Mean near, truth within one sd of the mean, and no muscle classed wrongly."""
-    other = spreads(rows.of_case(table, "sensors and forces"))
-    fits = spreads(rows.of_case(table, "sensors"))
-    inside, close = sum(spread.inside for spread in fits), sum(abs(spread.bias) <= CLOSE for spread in fits)
-    wrong, singly = _wrongly_taken(table)
-    return Judgement(
-        f"{inside} of {len(fits)} truths lie within one sd of the mean of {table['draw'].nunique()} draws, {close} of "
-        f"{len(fits)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd is "
-        f"{words.percent(max(s.relative_sd for s in fits), 0)} %; with forces that no model explains on top of the "
-        f"sensors' noise it is {words.percent(max(s.relative_sd for s in other), 0)} %. By the mean, {wrong} of "
-        f"{len(fits) // 2} muscles are taken for stiff or normal wrongly (F_o above {STIFF_F_O_N:g} N).",
-        "reproduced" if inside == len(fits) and wrong == 0 else "partly" if wrong == 0 else "not reproduced",
-        ("The sd captures every truth" if inside == len(fits) else "Not every truth lies within one sd of the mean")
-        + (", and no muscle" if wrong == 0 else ", and a muscle")
-        + " is taken for what it is not.",
-        {
-            "inside_one_sd": inside / len(fits),
-            "largest_bias": max(abs(spread.bias) for spread in fits),
-            "wrong_by_mean": float(wrong),
-            "wrong_by_draw": singly.value,
-        },
-    )
+    inside = rows.spreads(rows.of_case(table, "sensors"))["inside"].all()
+    wrong, _ = _wrongly_taken(table)
+    figures = _counts(table) | {f"muscles on the wrong side of {STIFF_F_O_N:g} N by the mean": rows.alone(wrong)}
+    return judged(bool(inside) and wrong == 0, wrong == 0, figures)
 
 
 def _wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
@@ -151,23 +126,18 @@ def _wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
     forces = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
     truly = forces["true_value"] > STIFF_F_O_N
     singly = statistics.share((truly != (forces["value"] > STIFF_F_O_N)).to_numpy())
-    wrong = sum((s.truth > STIFF_F_O_N) != (s.mean > STIFF_F_O_N) for s in spreads(forces))
-    return wrong, singly
+    fits = rows.spreads(forces)
+    return int(((fits["truth"] > STIFF_F_O_N) != (fits["mean"] > STIFF_F_O_N)).sum()), singly
 
 
 def judge_physician(table: pd.DataFrame) -> Judgement:
     """Whether the stiff muscle, and no other, would be taken for stiff."""
     wrong, singly = _wrongly_taken(table)
-    right = words.scaled(Interval(1.0 - singly.value, 1.0 - singly.high, 1.0 - singly.low), 100.0)
-    return Judgement(
-        f"F_o lies on the right side of {STIFF_F_O_N:g} N in {words.number(right.value)} % of the single fits "
-        f"({words.interval(right)}); the mean of the draws is wrong for {wrong} of 6 muscles.",
-        "reproduced" if wrong == 0 and singly.value < 0.05 else "partly" if wrong == 0 else "not reproduced",
-        "The stiff muscle, and no other, is seen as stiff."
-        if wrong == 0
-        else "Some muscle is taken for what it is not.",
-        {"wrong_by_mean": float(wrong), "wrong_by_draw": singly.value},
-    )
+    figures = {
+        f"single fits on the wrong side of {STIFF_F_O_N:g} N, %": rows.percent(singly),
+        "muscles there by the mean, of 6": rows.alone(wrong),
+    }
+    return judged(wrong == 0 and singly.value < 0.05, wrong == 0, figures)
 
 
 _PLANE = (

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from eval.figures import words
 from eval.figures.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, judged, one_by_one
 from eval.thesis.methods.least_squares import NonlinearLeastSquares
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, maneuver_record
@@ -56,42 +55,16 @@ def judge(table: pd.DataFrame) -> Judgement:
     unknown = b[SMALL, False].value > 0.5 * prior_b
     decides = b[SMALL, False].value > DECIDES * b[LARGE, False].value
     helps = both[True].high < both[False].low
-    prior_F = float(np.sqrt(np.mean(maneuver_record(SMALL, False).prior.sd[::2] ** 2)))
-
-    text = rows.with_interval
-
-    return Judgement(
-        f"Error of b after 5° of opening {text(b[SMALL, False])}, after 20° {text(b[LARGE, False])}; before anything "
-        f"is measured the sd is {words.percent(prior_b, 0)} %. With swings {text(b[SMALL, True])} and "
-        f"{text(b[LARGE, True])}. Error of F_o after 5° straight {text(force)}, of {words.percent(prior_F, 0)} % "
-        f"before. Of all 12 after 20°: straight {text(both[False])}, with swings {text(both[True])}. All this by "
-        "nonlinear least squares with the prior; by the extended Kalman filter, straight, b is off by "
-        f"{text(filtered[SMALL])} after 5° and {text(filtered[LARGE])} after 20°.",
-        "reproduced" if poor and decides and unknown and helps else "partly" if poor or helps else "not reproduced",
-        ("Small openings tell less of b" if poor else "Small openings tell b as well as large ones")
-        + (
-            ""
-            if not poor
-            else ", but straight ones of any size leave much of it open"
-            if not decides
-            else ", and leave more than half of what was not known before"
-            if unknown
-            else ", but still far more than was known before"
-        )
-        + (
-            "; swings to the side help"
-            + (" more than the size of the opening." if b[SMALL, True].high < b[LARGE, False].low else ".")
-            if helps
-            else "; swings to the side do not help measurably."
-        ),
-        {
-            "b_small": b[SMALL, False].value,
-            "b_large": b[LARGE, False].value,
-            "F_o_small": force.value,
-            "all_straight": both[False].value,
-            "all_swings": both[True].value,
-        },
-    )
+    figures = {
+        f"error of b after {d:g}°{', with swings' if s else ''}, %": rows.percent(value) for (d, s), value in b.items()
+    } | {
+        "sd of b before, %": rows.alone(100.0 * prior_b),
+        f"error of F_o after {SMALL:g}°, %": rows.percent(force),
+        f"error of all 12 after {LARGE:g}°, %": rows.percent(both[False]),
+        f"error of all 12 after {LARGE:g}°, with swings, %": rows.percent(both[True]),
+        **{f"error of b by the filter after {d:g}°, %": rows.percent(value) for d, value in filtered.items()},
+    }
+    return judged(poor and decides and unknown and helps, poor or helps, figures)
 
 
 ITEM = Item(

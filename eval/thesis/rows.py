@@ -59,15 +59,35 @@ def last(table: pd.DataFrame) -> pd.DataFrame:
     return table[table["time_s"] == table.groupby("case")["time_s"].transform("max")]
 
 
-def with_interval(estimate: Interval, factor: float = 100.0, unit: str = " %", digits: int = 1) -> str:
-    """A figure with its interval, in another unit."""
-    return words.with_interval(words.scaled(estimate, factor), digits, unit)
+def percent(estimate: Interval) -> Interval:
+    """A share in percent."""
+    return words.scaled(estimate, 100.0)
 
 
-def of_case(table: pd.DataFrame, case: str, parameter: str | None = None) -> pd.DataFrame:
-    """Rows of a case, of one parameter where given."""
-    rows = table[table["case"] == case]
-    return rows if parameter is None else rows[rows["parameter"] == parameter]
+def alone(value: float) -> Interval:
+    """A figure without an interval."""
+    return Interval(value, value, value)
+
+
+def over_draws(table: pd.DataFrame, column: str) -> Interval:
+    """Median over the draws of the largest value in each; infinite where there is none."""
+    return statistics.quantile(table.groupby("draw")[column].max().fillna(np.inf).to_numpy(), 0.5)
+
+
+def spreads(table: pd.DataFrame) -> pd.DataFrame:
+    """``truth``, and ``mean`` and ``sd`` of the estimates, of each parameter: F_o (N) or b.
+
+    ``bias`` is relative, ``bias_sds`` in sds of a single estimate, and ``inside`` whether the truth lies within one sd.
+    """
+    of = table.groupby("parameter", sort=False)
+    found = pd.DataFrame({"truth": of["true_value"].first(), "mean": of["value"].mean(), "sd": of["value"].std(ddof=1)})
+    off = found["mean"] - found["truth"]
+    return found.assign(bias=off / found["truth"], bias_sds=off / found["sd"], inside=off.abs() <= found["sd"])
+
+
+def of_case(table: pd.DataFrame, case: str) -> pd.DataFrame:
+    """Rows of a case."""
+    return table[table["case"] == case]
 
 
 def kind(table: pd.DataFrame, symbol: str) -> pd.DataFrame:

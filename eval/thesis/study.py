@@ -14,13 +14,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
-from rich import box
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 import eval.thesis
-from eval.figures.tables import made_by
+from eval.figures import words
+from eval.figures.tables import Table, made_by
 from eval.kept.cells import Cell, Rows, play_each
 from eval.kept.parts import Run
 from eval.kept.tables import write_table
@@ -33,7 +31,6 @@ TOGETHER = 10
 ENOUGH = 20
 """Draws, below which no verdict is given."""
 UNDECIDED = "too few draws"
-_COLOUR = {"reproduced": "green", "partly": "yellow", "not reproduced": "red"}
 
 
 @dataclass(frozen=True)
@@ -88,34 +85,26 @@ def study(
         for key, table in tables.items():
             write_table(table, output / f"{key}.parquet", metadata)
         write_text(output / "study.md", _markdown(items, findings, draws, metadata))
-    _show(items, findings, draws, console)
+    for item in items:
+        console.print(f"{item.title}, {item.where}: {_verdict(findings[item.key], draws)}", soft_wrap=True)
+        _table(findings[item.key]).show(console)
     console.print(f"tables:  {output / 'study.md'}\nresults: {output}/*.parquet", soft_wrap=True)
     return findings
 
 
-def _show(items: Sequence[Item], findings: Mapping[str, Judgement], draws: int, console: Console) -> None:
-    """Print every result: place in the thesis, measurement, and the verdict if there are enough draws for one."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Young (2016) and what we measure", title_justify="left")
-    table.add_column("result", min_width=20)
-    table.add_column("we measure", ratio=1)
-    table.add_column("verdict", min_width=10)
-    for item in items:
-        finding = findings[item.key]
-        name = Text.assemble((item.title, "bold"), "\n", (item.where, "dim"))
-        if draws >= ENOUGH:
-            table.add_row(name, finding.measured, Text(finding.verdict, style=_COLOUR[finding.verdict]))
-            table.add_row("", Text(finding.why, style="dim"), "")
-        else:
-            table.add_row(name, finding.measured, Text(UNDECIDED, style="dim"))
-    console.print(table)
+def _table(finding: Judgement) -> Table:
+    figures = [[name, words.with_interval(value, 2)] for name, value in finding.figures.items()]
+    return Table(["figure", "measured"], figures)
 
 
 def _markdown(items: Sequence[Item], findings: Mapping[str, Judgement], draws: int, metadata: dict[str, Any]) -> str:
     """The page: of every result what the thesis says, our setting, what we measure, and the verdict."""
     lines = ["# The results of Young (2016), drawn again", made_by(metadata, f"{draws} draws of each")]
     for item in items:
-        finding = findings[item.key]
-        verdict = f"**{finding.verdict}**: {finding.why}" if draws >= ENOUGH else f"**{UNDECIDED}**"
         lines += [f"## {item.title}", f"{item.where}. {item.says}", f"Here: {item.how}"]
-        lines += [f"We measure: {finding.measured}", verdict]
+        lines += [_table(findings[item.key]).markdown(), f"**{_verdict(findings[item.key], draws)}**"]
     return "\n\n".join(lines) + "\n"
+
+
+def _verdict(finding: Judgement, draws: int) -> str:
+    return finding.verdict if draws >= ENOUGH else UNDECIDED

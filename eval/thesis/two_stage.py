@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from eval.figures import words
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, judged, one_by_one
 from eval.thesis.methods.least_squares import NonlinearLeastSquares
 from eval.thesis.methods.moment_balance import balance_of
 from eval.thesis.methods.two_stage import TwoStageLogLinear
@@ -53,35 +52,14 @@ def _relative_error(table: pd.DataFrame, case: str, symbol: str) -> float:
 
 def judge(table: pd.DataFrame) -> Judgement:
     """Fails with several muscles, with noise and without; its second stage is exact with one."""
-    numbers = {
-        f"{symbol}/{case}": _relative_error(table, case, f"log_{symbol}")
+    figures = {
+        f"error of {symbol}, {case}, %": rows.alone(100.0 * _relative_error(table, case, f"log_{symbol}"))
         for case in dict.fromkeys(table["case"])
         for symbol in ("F_o", "b")
         if symbol == "b" or SECOND not in case
     }
-    noisy, pure, second = (numbers[f"b/three muscles: {case}"] for case in (NOISY, PURE, SECOND))
-    other, single = numbers[f"b/three muscles: {OTHER}"], numbers[f"b/one muscle: {SECOND}"]
-    fails, explained = noisy > CLOSE, second > CLOSE >= single
-
-    def text(value: float) -> str:
-        return "no value in most draws" if not np.isfinite(value) else f"{words.percent(value)} %"
-
-    return Judgement(
-        f"Median error of b with three muscles: {text(noisy)}; without any noise {text(pure)} (F_o "
-        f"{text(numbers[f'F_o/three muscles: {PURE}'])}); by the second stage alone, given the true F_o and no noise, "
-        f"{text(second)}. Nonlinear least squares on the same noisy data: {text(other)}. With one muscle the second "
-        f"stage alone errs by {text(single)}, both together without noise by {text(numbers[f'b/one muscle: {PURE}'])} "
-        f"(F_o {text(numbers[f'F_o/one muscle: {PURE}'])}).",
-        "reproduced" if fails else "not reproduced",
-        ("It fails" if fails else "It does not fail")
-        + (
-            ", and not for noise: the second stage takes the logarithm of a sum for the sum of logarithms (A.38–A.40), "
-            "which is right with one muscle only. That the force is not constant at small openings adds to it."
-            if explained
-            else ", but the second stage's formula does not explain it."
-        ),
-        {name: value for name, value in numbers.items() if np.isfinite(value)},
-    )
+    fails = figures[f"error of b, three muscles: {NOISY}, %"].value > 100.0 * CLOSE
+    return judged(fails, False, figures)
 
 
 ITEM = Item(
