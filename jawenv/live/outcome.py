@@ -6,8 +6,6 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from jawenv.base.errors import InputError
 from jawenv.controls import takes_targets
 from jawenv.live.setup import Setup
@@ -42,15 +40,6 @@ class DriveOutcome:
     def within_comfort(self) -> bool:
         """Whether a comparison would rank it."""
         return not self.violated and self.discomfort_s <= LARGEST_DISCOMFORT_S * max(self.duration_s, 1.0) / 30.0
-
-    def line(self) -> str:
-        """All of it in one line."""
-        ten, five = (f"{time:.1f} s" if np.isfinite(time) else "never" for time in self.time_to_s)
-        comfort = "" if self.within_comfort else ", not within comfort"
-        return (
-            f"{self.name.replace('_', ' ')}: all within 10 % {ten}, within 5 % {five}, "
-            f"worst sd {100 * self.worst_sd:.1f} %, discomfort {self.discomfort_s:.2f} s{comfort}"
-        )
 
 
 def learned_agents() -> dict[str, Agent]:

@@ -18,14 +18,13 @@ from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.shown_world import build_scene
 from jawenv.live.deciding import Deciding
-from jawenv.live.drive_file import maneuver_of_drive
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
 from jawenv.metrics.standing import standing
 from jawenv.playing.agents import Agent, Array, introduce
 from jawenv.playing.maneuvers import Maneuver, maneuver_names
-from jawenv.playing.maneuvers.written import save_maneuver
+from jawenv.playing.maneuvers.written import maneuver_of_targets, save_maneuver
 from jawenv.recordings.files import save_record
 from jawenv.recordings.of_simulation import record_of
 from jawenv.recordings.record import Record
@@ -203,7 +202,11 @@ class DriveSession:
 
     def maneuver(self, name: str) -> Maneuver:
         """This episode's drive, as a maneuver."""
-        return maneuver_of_drive(name, self._times, self._targets)
+        if not self._targets:
+            raise InputError("drive: nothing was driven; allowed: one step or more")
+        title, driven = name.replace("_", " ").capitalize(), f"Driven by hand for {self._time_s:g} s."
+        header = {"name": name, "title": title, "description": driven, "source": "jawenv live"}
+        return maneuver_of_targets(np.array(self._targets), 1.0 / self.setup.world.steps_per_s, header)
 
     def record(self) -> Record:
         """The device's record of this episode."""

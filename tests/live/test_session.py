@@ -167,7 +167,6 @@ def test_nothing_driven_is_nothing_to_save(tmp_path):
 def test_an_outcome_within_comfort_is_one_that_is_ranked():
     good = DriveOutcome("you", (2.0, np.inf), 0.06, 0.05, 30.0, False)
     assert good.within_comfort
-    assert good.line() == "you: all within 10 % 2.0 s, within 5 % never, worst sd 6.0 %, discomfort 0.05 s"
     assert not DriveOutcome("you", (2.0, 3.0), 0.06, 0.2, 30.0, False).within_comfort
     assert not DriveOutcome("you", (2.0, 3.0), 0.06, 0.0, 30.0, True).within_comfort
 
