@@ -30,28 +30,22 @@ def groups_in(table: pd.DataFrame) -> list[str]:
     return [group for group in GROUPS if f"{ERROR}/{group}" in table.columns and table[f"{LEFT}/{group}"].notna().any()]
 
 
-def table_of(summary: pd.DataFrame, *, intervals: bool = True) -> Table:
+def table_of(summary: pd.DataFrame) -> Table:
     """A row for each maneuver and time of a summary: squares and remaining sds of each group.
 
     Args:
         summary: of `eval.calibration.summary.summarise`.
-        intervals: of the squares; without them a terminal has room for all groups.
     """
     groups = groups_in(summary)
     some = summary[summary[[f"{LEFT}/{group}" for group in groups]].notna().any(axis=1)]
     rows = [
-        [words.label(row["entry"]), f"{row['time_s']:g}", *(_cell(row, group, intervals) for group in groups)]
+        [words.label(row["entry"]), f"{row['time_s']:g}", *(_cell(row, group) for group in groups)]
         for _, row in some.iterrows()
     ]
-    head = [
-        "maneuver",
-        "time, s",
-        *(group if intervals else group.replace(", ", " ").replace(" ", ", ") for group in groups),
-    ]
-    return Table(head, rows, note=NOTE)
+    return Table(["maneuver", "time, s", *groups], rows, note=NOTE)
 
 
-def _cell(row: pd.Series, group: str, intervals: bool) -> str:
-    """A cell such as `1.02 (0.93 … 1.12), 64 %`, or `1.02 (64 %)`."""
+def _cell(row: pd.Series, group: str) -> str:
+    """A cell such as `1.02 (0.93 … 1.12), 64 %`."""
     squares, left = Interval.of(row, f"{ERROR}/{group}"), f"{words.percent(row[f'{LEFT}/{group}'], 0)} %"
-    return f"{words.with_interval(squares, 2)}, {left}" if intervals else f"{words.number(squares.value, 2)} ({left})"
+    return f"{words.with_interval(squares, 2)}, {left}"

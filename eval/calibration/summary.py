@@ -139,24 +139,14 @@ def tables(table: pd.DataFrame) -> list[Table]:
     return [main, scores.table_of(table), *([nuisances.table_of(table)] if nuisances.groups_in(table) else [])]
 
 
-def show(table: pd.DataFrame, console: Console, *, details: bool = False) -> None:
-    """Print a summary: a table of each maneuver, and one of bias.
-
-    Args:
-        table: the summary.
-        console: where.
-        details: whether to print scores and nuisances too.
-    """
+def show(table: pd.DataFrame, console: Console) -> None:
+    """Print a summary: a table of each maneuver, and one of bias; scores and nuisances are in the file."""
     lost = {"ended early": ENDED, "diverged": DIVERGED}
     printed = [name for name in _PRINTED if name not in lost or table[lost[name]].any()]
     for entry, rows in table.groupby("entry", sort=False):
         Table(printed, _columns(rows, printed), title=words.label(str(entry))).show(console)
     Table(_BIAS, _columns(table, _BIAS), (0, 1, 3), title="Bias: the parameter with the largest mean z").show(console)
     console.print(Text(NOTE, style="dim"))
-    if details:
-        scores.table_of(table).show(console)
-    if details and nuisances.groups_in(table):
-        nuisances.table_of(table, intervals=False).show(console)
 
 
 def _columns(table: pd.DataFrame, names: Sequence[str]) -> list[list[str]]:

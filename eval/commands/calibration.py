@@ -32,7 +32,6 @@ def _calibrate_command(
         str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")
     ] = "10,30,60",
     played: options.Played = options.Played(Path("runs/calibrate"), 200),
-    details: options.Details = False,
 ) -> None:
     """Say whether filters are calibrated: whether the truth lies where they claim, on all cores.
 
@@ -57,7 +56,7 @@ def _calibrate_command(
     write_table(rows, output / "beliefs.parquet", metadata)
     write_table(table, output / "calibration.parquet", metadata)
     write_text(output / "calibration.md", summary.markdown(table, f"`{typed()}`"))
-    summary.show(table, console, details=details)
+    summary.show(table, console)
     console.print(
         f"table:   {output / 'calibration.md'}\n"
         f"results: {output / 'calibration.parquet'}, {output / 'beliefs.parquet'}",

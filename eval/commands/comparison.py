@@ -42,7 +42,6 @@ def _compare_command(
         ),
     ] = False,
     played: options.Played = options.Played(Path("runs/compare")),
-    details: options.Details = False,
 ) -> None:
     """Play every entry on the same patients with the same noise, rank them and write a report.
 
@@ -69,7 +68,7 @@ def _compare_command(
         loaded = add_replays(loaded, settings, output / "replays", fresh=played.fresh, console=console)
     study = compare(loaded, settings, output, command=typed(), fresh=played.fresh, console=console)
     play = partial(play_patient, trust=played.trust, own_modules=True)
-    _present(study, output, ranked.reference, admission, console, details, play)
+    _present(study, output, ranked.reference, admission, console, play)
 
 
 @options.takes_together
@@ -81,7 +80,6 @@ def _report_command(
         typer.Option(help="Seed of the patient whose motion is shown; the first by default.", metavar="SEED"),
     ] = None,
     trust: options.Trust = False,
-    details: options.Details = False,
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
@@ -91,7 +89,7 @@ def _report_command(
     admission = AdmissionLimits(ranked.largest_discomfort_s, ranked.largest_violation)
     study = results.load(folder)
     play = partial(play_patient, seed=patient, trust=trust)
-    _present(study, folder, ranked.reference, admission, terminal(), details, play)
+    _present(study, folder, ranked.reference, admission, terminal(), play)
 
 
 @options.takes_world("control")
@@ -122,28 +120,23 @@ def _present(
     reference: str | None,
     admission: AdmissionLimits,
     console: Console,
-    details: bool,
     play: Callable[[Results, Collection[str], Console], Results],
 ) -> None:
     from eval.comparison.ranking import rank
-    from eval.comparison.trainings import adaptations, gains
+    from eval.comparison.trainings import gains
     from eval.report import films, page, table
-    from eval.report.learned import learned
 
     ranking = rank(study, reference, admission)
-    table.show(ranking, console, details=details)
-    table.show_adaptations(adaptations(study), console)
+    table.show(ranking, console)
     study_gains = gains(study, reference)
-    new = (gain for gain in study_gains if gain.seeds > 1 or not gain.against.startswith("its "))  # beside that table
-    table.show_gains(tuple(new), console)
+    table.show_gains(study_gains, console)
     with alone(output):
-        study = play(study, films.candidates(ranking, learned(study, ranking)), console)
-        lessons = learned(study, ranking)
+        study = play(study, films.candidates(ranking), console)
         console.print("drawing the report")
-        written = page.write(study, ranking, lessons, output / "report.html")
+        written = page.write(study, ranking, output / "report.html")
         if study_gains:
             table.write_gains(study_gains, output / "gains.md")
-    table.show_verdict(ranking, lessons, console)
+    table.show_verdict(ranking, console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",
         soft_wrap=True,

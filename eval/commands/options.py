@@ -30,8 +30,6 @@ Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", m
 Output = Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Compute again what the folder already holds.")]
 Workers = Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)]
-Backend = Annotated[str, typer.Option(help="loky, this machine; ray, RAY_ADDRESS's cluster.", metavar="NAME")]
-Details = Annotated[bool, typer.Option("--details", help="Print all entries, and all tables of them.")]
 Trust = Annotated[
     bool,
     typer.Option("--trust", help="Unpickle checkpoints (.zip): they can run code as they load."),

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +29,9 @@ from jawenv.base.locks import alone
 from jawenv.metrics import BLOCKED_B, STIFF_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.playing.rollout import DEFAULT_ENV
 
+if TYPE_CHECKING:
+    from jawenv.rendering.scene import Scene
+
 Array = npt.NDArray[np.float64]
 PATIENTS, CURVES = "patients.parquet", "curves.parquet"
 
@@ -40,7 +43,7 @@ class Results:
     patients: pd.DataFrame  # one row per patient and entry
     curves: pd.DataFrame  # one row per entry, time and quantity
     about: dict[str, Any]  # command, versions, seed, settings and entries
-    motions: dict[str, Any] = field(default_factory=dict)
+    motions: dict[str, list[Scene]] = field(default_factory=dict)
     """How entries move a patient, see `eval.comparison.motion`; may lack some, or all."""
 
     @classmethod

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
@@ -21,8 +20,9 @@ from jawenv.base.locks import alone
 from jawenv.base.progress import Progress
 from jawenv.envs.shown_world import build_scene
 from jawenv.ladder import model_of_env
-from jawenv.playing.agents import checked_decision, introduce, own_seed
+from jawenv.playing.recording import Recording
 from jawenv.rendering.film import PairRenderer
+from jawenv.rendering.renderer import Renderer
 
 if TYPE_CHECKING:
     from eval.kept.entries import Entry
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 FORMATS = (".mp4", ".webp")
 FULL_WIDTH, FULL_HEIGHT = 1280, 720
-_OVER = object()
 
 
 @dataclass(frozen=True)
@@ -52,66 +51,38 @@ class Film:
             raise InputError(f"every is {self.every}; allowed: 1 or more")
         if not self.start_s >= 0.0:
             raise InputError(f"start_s is {self.start_s:g}; allowed: 0 or more")
+        if self.start_s >= self.entry.world.episode_s:
+            raise InputError(f"start_s is {self.start_s:g}; allowed: a time within the episode")
 
+    @property
+    def rate(self) -> float:
+        """Pictures per second."""
+        return self.entry.world.steps_per_s / self.every
 
-class Episode:
-    """One episode, step by step.
+    @property
+    def title(self) -> str:
+        """Caption of a picture: maneuver, model, patient and control mode."""
+        name, model = words.label(self.entry.label), model_of_env(self.entry.env_id).title
+        cohort, control = (self.entry.env_kwargs[key] for key in ("cohort", "control"))
+        patient = f"{cohort} patient" if self.patient is None else f"patient {self.patient.stem}"
+        return f"{name}: {model}, {patient}, seed {self.seed}, {control} control"
 
-    Args:
-        film: one player of the film.
-        mode: render mode of the environment.
-        console: where progress is shown.
+    def play(self, title: str, console: Console, watch: Callable[[Scene], None]) -> str:
+        """Play the episode, and show each step to ``watch``; returns its result in a sentence."""
+        with Progress(self.entry.world.steps, "steps", console) as progress:
+            recording = self.entry.play(
+                [self.patient],  # type: ignore[list-item]  # a patient's file
+                self.seed,
+                lambda step, steps: progress.advance_to(step),
+                lambda env, action: watch(build_scene(env.unwrapped.simulation, title)),
+                track_bound=False,
+            )
+        return _sentence(self.entry.label, recording)
 
-    Attributes:
-        name: who plays, in words.
-        title: above every picture.
-        rate: pictures per second.
-        outcome: result of the episode in a sentence; empty before its end.
-    """
-
-    def __init__(self, film: Film, mode: str, console: Console) -> None:
-        self._film, self._console = film, console
-        made: Any = gym.make(film.entry.env_id, render_mode=mode, **film.entry.env_kwargs)
-        self._env = made.unwrapped
-        self._steps_per_s: float = self._env.configuration.steps_per_s
-        self.name = words.label(film.entry.label)
-        self.title = self._env.picture_title = _title(film)
-        self.rate = self._steps_per_s / film.every
-        self.outcome = ""
-        if film.start_s >= film.entry.env_kwargs["episode_s"]:
-            raise InputError(f"start_s is {film.start_s:g}; allowed: a time within the episode")
-
-    def steps(self) -> Iterator[None]:
-        """Play and yield at each step of the film, the last one too; `picture` and `scene` are of that step."""
-        film, env, agent = self._film, self._env, self._film.entry.agent
-        try:
-            options = None if film.patient is None else {"patient": film.patient}
-            observation, info = env.reset(seed=film.seed, options=options)
-            agent.reset(1, own_seed())
-            introduce(agent, env)
-            state, start, ended, step = None, np.ones(1, dtype=bool), False, 0
-            with Progress(env.configuration.steps, "steps", self._console) as progress:
-                while not ended:
-                    if step >= film.start_s * self._steps_per_s and step % film.every == 0:
-                        yield
-                    action, state = checked_decision(agent.predict(observation[None], state, start), agent)
-                    observation, _, terminated, truncated, info = env.step(action[0])
-                    start, ended, step = np.zeros(1, dtype=bool), terminated or truncated, step + 1
-                    progress.advance_to(step)
-            yield
-            self.outcome = _sentence(film.entry.label, info, env.unwrapped.parameter_names)
-        finally:
-            env.close()
-
-    def picture(self) -> NDArray[np.uint8]:
-        """The picture of this step, in mode "rgb_array"."""
-        picture: NDArray[np.uint8] = self._env.render()
-        return picture
-
-    def scene(self, title: str) -> Scene:
-        """This step as the renderer takes it."""
-        scene: Scene = build_scene(self._env.simulation, title)
-        return scene
+    def shown(self, scenes: Sequence[Scene]) -> list[Scene]:
+        """The scenes of an episode that are in the film, the last one too."""
+        last, start = len(scenes) - 1, self.start_s * self.entry.world.steps_per_s
+        return [scene for i, scene in enumerate(scenes) if i == last or (i >= start and i % self.every == 0)]
 
 
 def show(film: Film, console: Console) -> str:
@@ -120,10 +91,11 @@ def show(film: Film, console: Console) -> str:
     Returns:
         Result of the episode in a sentence.
     """
-    episode = Episode(film, "human", console)
-    for _ in episode.steps():
-        pass
-    return episode.outcome
+    renderer = Renderer("human", film.entry.world.steps_per_s)
+    try:
+        return film.play(film.title, console, renderer.show)
+    finally:
+        renderer.close()
 
 
 def write(films: Sequence[Film], path: Path, console: Console) -> str:
@@ -141,33 +113,37 @@ def write(films: Sequence[Film], path: Path, console: Console) -> str:
         raise InputError(f"video is {path}; allowed: a file that ends in {' or '.join(FORMATS)}")
     if not path.parent.is_dir():
         raise InputError(f"video is {path}; allowed: a file in a folder that exists")
-    episodes = [Episode(film, "rgb_array", console) for film in films]
-    rates = [f"{episode.rate:g}" for episode in episodes]
+    rates = [f"{film.rate:g}" for film in films]
     if len(set(rates)) > 1:
         raise InputError(f"control_hz is {' and '.join(rates)}; allowed: one rate for both")
-    pictures = _pictures(episodes[0]) if len(episodes) == 1 else _pairs(*episodes)
+    played: list[list[Scene]] = [[] for _ in films]
+    titles = [films[0].title] if len(films) == 1 else [words.label(film.entry.label) for film in films]
+    outcomes = [
+        film.play(title, console, scenes.append) for film, title, scenes in zip(films, titles, played, strict=True)
+    ]
+    pictures = _pictures(films[0], played[0]) if len(films) == 1 else _pairs(films, played)
     scaled = (_scaled(picture, films[0].width) for picture in pictures)
     try:
         with alone(path), atomic_write(path) as unfinished:
-            (write_webp if path.suffix == ".webp" else write_mp4)(unfinished, scaled, episodes[0].rate)
+            (write_webp if path.suffix == ".webp" else write_mp4)(unfinished, scaled, films[0].rate)
     except OSError as error:
         raise InputError(f"video: {path} cannot be written: {error}") from error
-    return "\n".join(episode.outcome for episode in episodes)
+    return "\n".join(outcomes)
 
 
-def _pictures(episode: Episode) -> Iterator[NDArray[np.uint8]]:
-    for _ in episode.steps():
-        yield episode.picture()
+def _pictures(film: Film, scenes: Sequence[Scene]) -> Iterator[NDArray[np.uint8]]:
+    renderer, shown = Renderer("rgb_array", film.rate), film.shown(scenes)
+    for scene in scenes:
+        renderer.note(scene.moment)
+        if scene is shown[0]:
+            yield renderer.draw(shown.pop(0))
 
 
-def _pairs(left: Episode, right: Episode) -> Iterator[NDArray[np.uint8]]:
+def _pairs(films: Sequence[Film], played: Sequence[Sequence[Scene]]) -> Iterator[NDArray[np.uint8]]:
     """Two episodes in step; one that ends earlier stays as it was."""
-    renderer, shown = PairRenderer(), {}
-    for steps in zip_longest(left.steps(), right.steps(), fillvalue=_OVER):
-        for episode, step in zip((left, right), steps, strict=True):
-            if step is not _OVER:
-                shown[episode] = episode.scene(episode.name)
-        yield renderer.draw(shown[left], shown[right])
+    renderer, last = PairRenderer(), [scenes[-1] for scenes in played]
+    for pair in zip_longest(*(film.shown(scenes) for film, scenes in zip(films, played, strict=True))):
+        yield renderer.draw(*(scene or end for scene, end in zip(pair, last, strict=True)))
 
 
 def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
@@ -180,18 +156,13 @@ def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
     return np.asarray(Image.fromarray(picture).resize(size, Image.Resampling.LANCZOS))
 
 
-def _title(film: Film) -> str:
-    """Caption of a picture: maneuver, model, patient and control mode."""
-    name, model, kwargs = words.label(film.entry.label), model_of_env(film.entry.env_id).title, film.entry.env_kwargs
-    patient = f"{kwargs['cohort']} patient" if film.patient is None else f"patient {film.patient.stem}"
-    return f"{name}: {model}, {patient}, seed {film.seed}, {kwargs['control']} control"
-
-
-def _sentence(label: str, info: dict[str, Any], parameter_names: tuple[str, ...]) -> str:
-    worst = int(np.argmax(info["belief_sd"]))
-    name = parameter_names[worst].replace("_", " ").replace("log ", "").replace("/", " of the ")
-    end = ", a hard limit was crossed" if info["violation"] else ""
+def _sentence(label: str, recording: Recording) -> str:
+    last = int(recording.last[0])
+    sd: Any = recording.belief_sd[0, last]
+    worst = int(np.argmax(sd))
+    name = recording.parameter_names[worst].replace("_", " ").replace("log ", "").replace("/", " of the ")
+    end = ", a hard limit was crossed" if recording.violation[0].any() else ""
     return (
-        f"{label}: after {info['time']:g} s {np.sum(info['belief_sd'] <= 0.05)} of {len(info['belief_sd'])} parameters "
-        f"are within 5 %, least known is {name} ({100.0 * info['belief_sd'][worst]:.1f} %){end}"
+        f"{label}: after {recording.time[last]:g} s {np.sum(sd <= 0.05)} of {len(sd)} parameters "
+        f"are within 5 %, least known is {name} ({100.0 * sd[worst]:.1f} %){end}"
     )

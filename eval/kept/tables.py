@@ -57,8 +57,3 @@ def read_table(
         lacks = f"column {missing[0]!r}" if missing else "what it was made with"
         raise InputError(f"{path} is no table of this program, it lacks {lacks}; {remedy}")
     return frame, metadata
-
-
-def rows_in(path: Path) -> pd.DataFrame:
-    """The table alone, of `read_table`."""
-    return read_table(path)[0]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from eval.figures import words
 
@@ -87,12 +85,3 @@ def names(ranking: Ranking) -> dict[str, str]:
 def floor(ranking: Ranking) -> float:
     """Least true information that is drawn to scale: below it a single liar would flatten all others."""
     return -0.1 * max(row["information_claimed"].value for row in ranking.rows)
-
-
-def log_percent(axes: Axes, which: str = "y", ticks: Sequence[float] = (0.5, 1, 2, 5, 10, 20, 50, 100)) -> None:
-    """Logarithmic axis of a standard deviation, written in percent."""
-    axis = axes.yaxis if which == "y" else axes.xaxis
-    (axes.set_yscale if which == "y" else axes.set_xscale)("log")
-    axis.set_major_locator(FixedLocator([tick / 100.0 for tick in ticks]))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{100.0 * value:g} %"))
-    axis.set_minor_locator(NullLocator())

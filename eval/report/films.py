@@ -4,42 +4,32 @@ from __future__ import annotations
 
 import base64
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich.console import Console
 
 from eval.comparison.ranking import Ranking, RankingRow
 from eval.comparison.results import Results
 from eval.episodes.video import write_mp4
-from eval.report.learned import Learned
-from jawenv.anatomy import default_mandible
 from jawenv.base.progress import Progress
-from jawenv.ladder import Model, model_of_env
-from jawenv.rendering import Scene, palette
+from jawenv.rendering import palette
 from jawenv.rendering.film import JawRenderer
+from jawenv.rendering.scene import Scene
 
 BESIDE = "slow_opening"
 """Entry of the film beside the best one's: the maneuver of practice."""
-ENOUGH, MOST = 4, 6
-"""Number of filmed entries; only trainings beside their base maneuvers add to them."""
-LONGEST_S, PICTURES_PER_S, SPEED = 12.0, 8, 1.5
-"""Longest film of an episode, s; pictures per second of it; speed of the film."""
+ENOUGH = 4
+"""Number of filmed entries."""
+LONGEST_S, SPEED = 12.0, 1.5
+"""Longest film of an episode, s; speed of the film."""
 QUALITY = ("-crf", "32", "-preset", "slow")
-_SMOOTH = ("contact", "turn", "moved")
 
 
-def candidates(ranking: Ranking, trained: Sequence[Learned]) -> set[str]:
-    """Labels of the entries that `filmed` may choose from.
-
-    Args:
-        ranking: of the comparison.
-        trained: trainings beside what they began as.
-    """
-    rows = [*ranking.rows[:ENOUGH], *(row for each in trained for row in (each.entry, each.base))]
-    return {BESIDE, *(row.entry for row in rows)}
+def candidates(ranking: Ranking) -> set[str]:
+    """Labels of the entries that `filmed` may choose from."""
+    return {BESIDE, *(row.entry for row in ranking.rows[:ENOUGH])}
 
 
 def beside(study: Results, ranking: Ranking) -> list[RankingRow]:
@@ -49,27 +39,24 @@ def beside(study: Results, ranking: Ranking) -> list[RankingRow]:
     return [row for row in rows if row is best or row.entry == BESIDE]
 
 
-def filmed(study: Results, ranking: Ranking, asked_rows: Sequence[RankingRow]) -> list[RankingRow]:
-    """The entries of `beside`, the wanted ones, and the next best where there is time for more."""
-    rows = [row for row in ranking.rows if study.motions.get(row.entry)]
-    asked = list(dict.fromkeys(row.entry for row in (*beside(study, ranking), *asked_rows) if row in rows))[:MOST]
-    others = [row.entry for row in rows if row.entry not in asked]
-    shown = {*asked, *others[: max(ENOUGH - len(asked), 0)]}
-    return [row for row in rows if row.entry in shown]
+def filmed(study: Results, ranking: Ranking) -> list[RankingRow]:
+    """The entries of `beside`, and the next best."""
+    rows, first = [row for row in ranking.rows if study.motions.get(row.entry)], beside(study, ranking)
+    others = [row for row in rows if row not in first]
+    return [row for row in rows if row in (*first, *others[: ENOUGH - len(first)])]
 
 
-def shown(study: Results, ranking: Ranking, asked_rows: Sequence[RankingRow]) -> dict[str, Any]:
+def shown(study: Results, ranking: Ranking) -> dict[str, Any]:
     """The films, whose motion they show, and how, for the page.
 
     Args:
         study: a comparison with motions.
         ranking: of the same study.
-        asked_rows: entries that are filmed if their motion is kept.
     """
-    rows, first_seed = filmed(study, ranking, asked_rows), study.about["settings"]["seed"]
+    rows, first_seed = filmed(study, ranking), study.about["settings"]["seed"]
     seed = study.about.get("played_seed", first_seed)
     return {
-        "films": _films({row.entry: study.motions[row.entry] for row in rows}, ranking.env),
+        "films": _films({row.entry: study.motions[row.entry] for row in rows}),
         "filmed": rows,
         "beside": [("The best: " if row is ranking.best else "", row) for row in beside(study, ranking)],
         "longest_s": LONGEST_S,
@@ -79,78 +66,24 @@ def shown(study: Results, ranking: Ranking, asked_rows: Sequence[RankingRow]) ->
     }
 
 
-def _films(motions: Mapping[str, Any], env: str) -> dict[str, str]:
+def _films(motions: Mapping[str, Sequence[Scene]]) -> dict[str, str]:
     """An mp4 in base64 of every motion, by the entry's label; progress is shown on the error stream."""
     if not motions:
         return {}
-    model, made = model_of_env(env), {}
+    made: dict[str, str] = {}
     with Progress(len(motions), "films", Console(stderr=True)) as progress:
         progress.say(f"filming {len(motions)} entries")
-        for entry, motion in motions.items():
-            made[entry] = _film(motion, model)
+        for entry, scenes in motions.items():
+            made[entry] = _film(scenes)
             progress.advance_to(len(made))
     return made
 
 
-def _film(motion: dict[str, Any], model: Model) -> str:
+def _film(scenes: Sequence[Scene]) -> str:
     renderer = JawRenderer()
-    pictures = (renderer.draw(scene) for scene in scenes(motion, model))
+    pictures = (renderer.draw(scene) for scene in scenes if scene.time_s <= LONGEST_S)
+    every_s = scenes[min(1, len(scenes) - 1)].time_s - scenes[0].time_s or 1.0
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "film.mp4"
-        write_mp4(path, pictures, PICTURES_PER_S * SPEED, QUALITY)
+        write_mp4(path, pictures, SPEED / every_s, QUALITY)
         return base64.b64encode(path.read_bytes()).decode()
-
-
-def scenes(motion: dict[str, Any], model: Model) -> Iterator[Scene]:
-    """Scenes between the frames of a motion: its path by cubic splines, all else linear.
-
-    Args:
-        motion: see `eval.comparison.motion`.
-        model: in which it was played.
-    """
-    from scipy.interpolate import make_interp_spline
-    from scipy.spatial.transform import Rotation
-
-    frames = {name: np.array(values) for name, values in motion["frames"].items()}
-    known_s = frames.pop("time_s")
-    times = np.arange(known_s[0], min(known_s[-1], LONGEST_S) + 1e-9, 1.0 / PICTURES_PER_S)
-    degree = min(3, len(known_s) - 1)
-    at = {
-        name: make_interp_spline(known_s, values, degree if name in _SMOOTH else min(1, degree))(times)
-        for name, values in frames.items()
-    }
-    turns, number = Rotation.from_rotvec(at["turn"]).as_matrix(), len(motion["parameters"])
-    origin, insertion, held = (1e-3 * np.array(motion[name]) for name in ("origin", "insertion", "mouthpiece"))
-    for i, (time_s, turn, contact) in enumerate(zip(times, turns, 1e-3 * at["contact"], strict=True)):
-        yield Scene(
-            muscle_names=tuple(motion["muscles"]),
-            muscle_origin_m=origin,
-            muscle_insertion_m=contact + insertion @ turn.T,
-            muscle_tension_N=np.maximum(at["tension"][i], 0.0),
-            contact_m=contact,
-            rotation=turn,
-            plant=model.plant,
-            slides=model.free[0],
-            condyle_half_width_m=default_mandible().condyle_half_width_m,
-            fossa_drop_m=1e-3 * motion["path"][0],
-            fossa_frequency=1e3 * motion["path"][1],
-            mouthpiece_m=contact + turn @ held,
-            mouthpiece_force_N=at["force"][i],
-            parameter_names=tuple(motion["parameters"]),
-            belief_mean=np.zeros(number),
-            belief_cov=np.diag(np.square(at["sd"][i])),
-            prior_mean=np.zeros(number),
-            prior_sd=frames["sd"][0],
-            truth=None,
-            comfort={},
-            comfort_hard={},
-            governor=0.0,
-            time_s=float(time_s),
-            episode_s=float(known_s[-1]) or 1.0,
-            opening_mm=float(at["moved"][i, 0]),
-            opening_limits_mm=np.zeros(2),
-            excursion_mm=at["moved"][i, 1:],
-            excursion_soft_mm=np.zeros(2),
-            information_nats=0.0,
-            title="",
-        )

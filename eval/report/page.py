@@ -7,16 +7,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 
 from eval.comparison.admission import LARGEST_RINGING
-from eval.comparison.ranking import SOON, Ranking, RankingRow
+from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
 from eval.comparison.trainings import adaptations, verdict
 from eval.figures import words
@@ -28,57 +27,32 @@ from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.metrics import CONFIDENCE, TARGETS
 from jawenv.playing.rollout import DEFAULT_ENV
 
-if TYPE_CHECKING:
-    from eval.report.learned import Learned
-
 ASSETS = Path(__file__).parent / "assets"
-LEAST_SURE = 0.1
-"""Worst sd at the end at which the bar of sureness is empty."""
 
 
 CONSTANTS: Mapping[str, Any] = {
     "confidence": CONFIDENCE,
     "early_s": EARLY_S,
     "largest_ringing": LARGEST_RINGING,
-    "least_sure": LEAST_SURE,
     "resamples": RESAMPLES,
     "targets": TARGETS,
     "terms": template.TERMS,
 }
 
 
-@dataclass(frozen=True)
-class Bar:
-    """A figure and how good it is."""
-
-    text: str  # the figure with its unit
-    full: float  # 0, as bad as the scale goes, to 1, the best possible
-
-
-@dataclass(frozen=True)
-class Bars:
-    """An entry in three bars, see `bars`."""
-
-    soon: Bar
-    sure: Bar
-    comfortable: Bar
-
-
-def write(study: Results, ranking: Ranking, lessons: Sequence[Learned], path: Path) -> Path:
+def write(study: Results, ranking: Ranking, path: Path) -> Path:
     """Write the report, and return its path; see `render`."""
-    page = render(study, ranking, lessons)
-    return template.write(page, path)
+    return template.write(render(study, ranking), path)
 
 
-def render(study: Results, ranking: Ranking, lessons: Sequence[Learned]) -> str:
+def render(study: Results, ranking: Ranking) -> str:
     """The report as HTML text.
 
     Args:
         study: results of all entries.
         ranking: of the same study.
-        lessons: of its trained entries.
     """
-    shown = films.shown(study, ranking, [row for lesson in lessons for row in (lesson.base, lesson.entry)])
+    shown = films.shown(study, ranking)
     titles = [words.parameter(name) for name in ranking.parameters]
     data: dict[str, Any] = {
         "entries": charts.entries(ranking),
@@ -102,7 +76,6 @@ def render(study: Results, ranking: Ranking, lessons: Sequence[Learned]) -> str:
         model=_model(ranking, titles),
         films=shown,
         verdict=verdict,
-        lessons=lessons,
         embedded=_embedded(data),
     )
 
@@ -119,16 +92,13 @@ def _model(ranking: Ranking, titles: list[str]) -> dict[str, Any]:
 
 def _answer(study: Results, ranking: Ranking) -> dict[str, Any]:
     """The first screen."""
-    longest_s, rest = float(study.patients["duration_s"].max()), first.rest(ranking)
     believed, because = first.belief(ranking)
     return {
         "sentence": first.answer(ranking),
         "assumption": _assumption(study),
         "believed": believed,
         "because": because,
-        "bars": [(row, _bars(ranking, row, longest_s)) for row in first.firsts(ranking)],
-        "bars_of_rest": [(row, _bars(ranking, row, longest_s)) for row in rest],
-        "rest": rest,
+        "rest": first.rest(ranking),
     }
 
 
@@ -142,31 +112,6 @@ def _assumption(study: Results) -> str:
     sentence = f"This holds for a jaw whose anatomy is known {how}, with small disturbances {lasting}."
     less = " Where a scan alone shows the anatomy, all is known several times less precisely."
     return sentence + (less if how == "exactly" and study.env == DEFAULT_ENV else "")
-
-
-def _bars(ranking: Ranking, row: RankingRow, episode_s: float) -> Bars:
-    """Bars of speed, sureness and comfort; a fuller one is better.
-
-    Args:
-        ranking: of the study.
-        row: of the entry.
-        episode_s: length of the episodes, in which the first bar is empty where nothing becomes known.
-    """
-    seconds, worst, cost, violated = (row[name].value for name in (SOON, "worst_sd", "discomfort_rate", "violated"))
-    over, most = violated > ranking.admission.violation, ranking.admission.discomfort_s
-    spared = 1.0 - cost / most if most else float(not cost)
-    spent = f"{words.number(cost, 2)} s"
-    if violated:
-        spent += f", hard limit in {words.percent(violated, 0)} %"
-    return Bars(
-        Bar(f"{words.number(seconds)}{' s' if math.isfinite(seconds) else ''}", _within(1.0 - seconds / episode_s)),
-        Bar(f"{words.percent(worst)} %", 0.0 if row.false_sd else _within(1.0 - worst / LEAST_SURE)),
-        Bar(spent, 0.0 if over else _within(spared)),
-    )
-
-
-def _within(share: float) -> float:
-    return min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
 
 
 def _embedded(data: dict[str, Any]) -> dict[str, Markup]:

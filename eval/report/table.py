@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval.comparison.ranking import KNOWN, SOON, Ranking, RankingRow
-from eval.comparison.trainings import DIFFERENCES, Gain, verdict
+from eval.comparison.ranking import KNOWN, Ranking, RankingRow
+from eval.comparison.trainings import DIFFERENCES, Gain
 from eval.figures import words
-from eval.figures.catalogue import DIFFERENCE, FIGURES, SIGMAS, reaches, time_to
+from eval.figures.catalogue import FIGURES, time_to
 from eval.figures.statistics import Interval
 from eval.figures.tables import Table as WrittenTable
 from eval.figures.tables import printed_table
 from eval.report import first
-from eval.report.learned import Learned
-from eval.rows.outcomes import EARLY_S
 from jawenv.base.files import write_text
-from jawenv.metrics import TARGETS
 
 _COLOUR = {"calibrated": "green", "overconfident": "red", "cautious": "yellow"}
 GAINS_SHOWN = ("early_worst_sd", "worst_sd", "information_true", "discomfort_s")
@@ -28,82 +25,18 @@ GAINS_SHOWN = ("early_worst_sd", "worst_sd", "information_true", "discomfort_s")
 _MEANING = {"calibrated": "right", "overconfident": "too small", "cautious": "too large"}
 
 
-def show(ranking: Ranking, console: Console, *, details: bool = False) -> None:
-    """Print the best entries in one short table; in detail all of them with honesty and discomfort.
-
-    Args:
-        ranking: see `eval.comparison.ranking.rank`.
-        console: where to print.
-        details: whether to print all tables of all entries.
-    """
-    if details:
-        _show_all(ranking, console)
-        return
+def show(ranking: Ranking, console: Console) -> None:
+    """Print the best entries and all of one's own in a table."""
     console.print(_short(ranking))
     if hidden := first.rest(ranking):
-        console.print(Text(f"{len(hidden)} more entries, and more about each: --details", style="dim"))
+        console.print(Text(f"{len(hidden)} more entries: in the report", style="dim"))
 
 
-def show_verdict(ranking: Ranking, learnt: Sequence[Learned], console: Console) -> None:
-    """Print which entry is best, whether that can be believed, and the effect of trainings."""
+def show_verdict(ranking: Ranking, console: Console) -> None:
+    """Print which entry is best, and whether that can be believed."""
     believed, because = first.belief(ranking)
     console.print(Text(first.answer(ranking), style="bold"), soft_wrap=True)
     console.print(Text(f"Can it be believed? {'Yes' if believed else 'No'}, because {because}"), soft_wrap=True)
-    for lesson in learnt:
-        console.print(Text(f"What was learned? {lesson.sooner}"), soft_wrap=True)
-
-
-def _show_all(ranking: Ranking, console: Console) -> None:
-    console.print(Text(first.answer(ranking)))
-    for table in (_speed(ranking), _precision(ranking), _trust(ranking)):
-        console.print(table)
-    for row in ranking.others:
-        console.print(Text(f"{ranking.mark(row)}  {words.label(row.entry)} is not ranked: {row.excluded}."))
-    low, high = ranking.band
-    console.print(
-        Text(
-            f"{ranking.patients} patients, the same for all; below a figure its 95 % bootstrap interval over them. "
-            "sd is of the natural log: 5 % is 5 % of the parameter. Ranked by the time until all are within "
-            f"{100 * KNOWN:g} % (median, then 90 % quantile, then share), then by true information. In 19 of 20 "
-            f"calibrated studies of this size every mean NEES lies in {low:.1f} … {high:.1f}.",
-            style="dim",
-        )
-    )
-
-
-def show_adaptations(adaptations: tuple[Gain, ...], console: Console) -> None:
-    """Print how much better entries are than their replays; nothing where none was replayed."""
-    if not adaptations:
-        return
-    table = _below(
-        "Does it adapt? The log of the worst sd less that of its own targets, replayed without looking",
-        (f"after {EARLY_S:g} s", "verdict", "at the end", "verdict"),
-    )
-    for number, adaptation in enumerate(adaptations, 1):
-        early, end = (adaptation.figures[name] for name in ("early_worst_sd", "worst_sd"))
-        name = f"{words.label(adaptation.name)}\nagainst {words.label(adaptation.against)}"
-        table.add_row(str(number), name, _both(early, 2), verdict(early), _both(end, 2), verdict(end))
-    console.print(table)
-
-
-def _below(title: str, headings: Iterable[str]) -> Table:
-    """A table of maneuvers without rows as yet."""
-    table = printed_table(title)
-    table.add_column("#", justify="right")
-    table.add_column("maneuver", min_width=16)
-    for heading in headings:
-        table.add_column(heading, justify="right")
-    return table
-
-
-def _table(ranking: Ranking, title: str, columns: Sequence[Column]) -> Table:
-    """All rows, with a line between ranked ones and the others."""
-    table = _below(title, (heading.format(parameters=ranking.n_parameters) for heading, _ in columns))
-    for row in ranking.rows:
-        if ranking.others and row is ranking.others[0] and ranking.ranked:
-            table.add_section()
-        table.add_row(ranking.mark(row), _name(row, row.note), *(cell(row) for _, cell in columns))
-    return table
 
 
 def _short(ranking: Ranking) -> Table:
@@ -115,61 +48,25 @@ def _short(ranking: Ranking) -> Table:
         _error_bars(ranking),
     ]
     title = f"How soon {ranking.sought} are known, in half of {ranking.patients} patients"
-    table = _below(title, (heading for heading, _ in columns))
+    table = printed_table(title)
+    table.add_column("#", justify="right")
+    table.add_column("maneuver", min_width=16)
+    for heading, _ in columns:
+        table.add_column(heading, justify="right")
     for row in first.firsts(ranking):
         reason = f"not ranked: {row.excluded}" if row.excluded else ""
         table.add_row(ranking.mark(row), _name(row, reason), *(cell(row) for _, cell in columns))
     return table
 
 
-def _speed(ranking: Ranking) -> Table:
-    columns: list[Column] = []
-    for target in TARGETS:
-        known, heading = target == KNOWN, f"{100.0 * target:g} %, s\nmedian"
-        columns.append(_figure(time_to(target), heading, ends=known))
-        columns += [_figure(f"{SOON}_p90", "\np90")] if known else []
-        columns.append(_figure(reaches(target), "share\n%", 0))
-    title = "Ranking: how soon all are known, as the time until the worst sd is within a target"
-    return _table(ranking, title, [*columns, _figure("identified")])
-
-
-def _precision(ranking: Ranking) -> Table:
-    columns = [
-        _figure("information_true", "true info\nnats", ends=True),
-        ("minus that of\nthe reference", _against),
-        _figure("worst_sd", "worst sd, %\nmedian", 1, ends=True),
-        _figure("worst_sd_p90", "\np90", 1),
-        _figure("worst_sd_max", "\nmax", 1),
-        _figure("nees", ends=True),
-        _error_bars(ranking),
-    ]
-    return _table(ranking, f"How well {ranking.sought} of {ranking.env} are known at the end", columns)
-
-
-def _trust(ranking: Ranking) -> Table:
-    columns = [
-        ("inside 1/2/3 sd\n68/95/99.7 %", _inside),
-        _figure("honesty_gap", "claimed − true\nnats", ends=True),
-        _figure("rmse_over_bound"),
-        ("discomfort\ns, % above", _discomfort),
-        *map(_figure, ("violated", "rings", "governor")),
-    ]
-    return _table(ranking, "Whether that can be believed, and what it costs the patient", columns)
-
-
 Column = tuple[str, Callable[[RankingRow], str | Text]]
 """A heading, in which ``{parameters}`` stands for their number, and what stands below it."""
 
 
-def _figure(name: str, heading: str = "", digits: int | None = None, *, ends: bool = False) -> Column:
-    """A figure below a heading, or its own, with the ends of its interval or without."""
+def _figure(name: str, heading: str = "", digits: int | None = None) -> Column:
+    """A figure below a heading, or its own."""
     figure = FIGURES[name]
-    shown = figure.digits if digits is None else digits
-
-    def cell(row: RankingRow) -> str | Text:
-        return _both(figure.scaled(row[name]), shown) if ends else figure.value(row[name], shown)
-
-    return heading or figure.narrow, cell
+    return heading or figure.narrow, lambda row: figure.value(row[name], digits)
 
 
 def _error_bars(ranking: Ranking) -> Column:
@@ -178,20 +75,6 @@ def _error_bars(ranking: Ranking) -> Column:
         return Text(_MEANING[kind], style=_COLOUR[kind])
 
     return "error bars\nare", meaning
-
-
-def _against(row: RankingRow) -> str | Text:
-    return _both(row[DIFFERENCE]) if DIFFERENCE in row.figures else "reference"
-
-
-def _inside(row: RankingRow) -> str:
-    shares = {sigmas: f"inside_{sigmas}_sigma" for sigmas in SIGMAS}
-    return "/".join(FIGURES[name].value(row[name], sigmas // 3) for sigmas, name in shares.items())
-
-
-def _discomfort(row: RankingRow) -> str:
-    mean, above = (FIGURES[name].value(row[name], digits) for name, digits in (("discomfort_s", 2), ("above_limit", 1)))
-    return f"{mean}\n{above} %"
 
 
 def _name(row: RankingRow, remark: str) -> Text:

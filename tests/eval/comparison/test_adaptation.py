@@ -8,7 +8,6 @@ import pytest
 from eval.comparison.ranking import rank
 from eval.comparison.trainings import adaptations, verdict
 from eval.report import page
-from eval.report.learned import learned
 from tests.eval.studies import GOOD, IDLE, TRAINED, study
 
 
@@ -34,7 +33,5 @@ def test_the_difference_is_paired_and_of_logs(paired):
 
 def test_every_column_of_the_page_has_a_heading(paired, tmp_path):
     """A heading is a button that sorts: without words it has no name."""
-    written = page.write(paired, rank(paired), learned(paired, rank(paired)), tmp_path / "report.html").read_text(
-        encoding="utf-8"
-    )
+    written = page.write(paired, rank(paired), tmp_path / "report.html").read_text(encoding="utf-8")
     assert "Does it adapt?" in written and not re.search(r"<th[^>]*></th>", written)

@@ -20,27 +20,14 @@ def study():
 def test_the_first_patient_is_watched_at_most_ten_times_a_second(study):
     for control, steps in (("targets", 10), ("force", 20)):
         settings = Settings.of(patients=1, control=control, episode_s=2.0)
-        (moved,) = watched(["chirp"], settings).motions.values()
-        times = moved["frames"]["time_s"]
-        assert len(times) == steps
-        assert np.diff(times) == pytest.approx(2.0 / steps)
+        (scenes,) = watched(["chirp"], settings).motions.values()
+        assert len(scenes) == steps
+        assert np.diff([scene.time_s for scene in scenes]) == pytest.approx(2.0 / steps)
 
 
 def test_an_opening_opens_and_who_is_held_stays(study):
-    opening, held = (np.array(study.motions[name]["frames"]["moved"])[:, 0] for name in ("slow_opening", "hold_still"))
+    opening, held = ([scene.opening_mm for scene in study.motions[name]] for name in ("slow_opening", "hold_still"))
     assert opening[-1] - opening[0] > 0.4
     assert abs(held[-1] - held[0]) < 0.2
-    sd = np.array(study.motions["slow_opening"]["frames"]["sd"])
-    assert sd.shape == (10, 12)
-    assert (sd[-1] <= sd[0]).all()
-
-
-def test_frames_put_the_mouthpiece_where_it_is_said_to_be(study):
-    """Contact point and turn give the opening that stands beside them, to the four digits that are kept."""
-    from scipy.spatial.transform import Rotation
-
-    moved = study.motions["slow_opening"]
-    frames = moved["frames"]
-    turned = Rotation.from_rotvec(frames["turn"]).apply(moved["mouthpiece"])
-    opening = moved["mouthpiece"][2] - (np.array(frames["contact"]) + turned)[:, 2]
-    assert opening == pytest.approx(np.array(frames["moved"])[:, 0], abs=0.05)
+    first, *_, last = study.motions["slow_opening"]
+    assert (last.belief_sd <= first.belief_sd).all()

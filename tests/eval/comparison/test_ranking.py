@@ -77,8 +77,8 @@ def test_nothing_is_known_by_readings_that_do_not_fit_the_model(made):
         "the alarm rings in 7.5 % of the episodes, allowed 5 %: their readings do not fit the model"
     )
     console = Console(file=io.StringIO(), width=120)
-    table.show(ranking, console, details=True)
-    assert "c  good one is not ranked: the alarm rings in 7.5 %" in console.file.getvalue()
+    table.show(ranking, console)
+    assert "not ranked: the alarm rings in 7.5 %" in " ".join(console.file.getvalue().split())
 
 
 def test_what_is_asked_for_is_named(made):
@@ -143,11 +143,11 @@ def test_calibration_is_judged_by_the_band(ranking):
 
 def test_the_terminal_shows_calibration_beside_every_sd(ranking):
     console = Console(file=io.StringIO(), width=120)
-    table.show(ranking, console, details=True)
+    table.show(ranking, console)
     lines = console.file.getvalue().splitlines()
     assert any("boastful" in line and "too small" in line for line in lines)
     assert next(line for line in lines if "ppo-seed0" in line).split()[0] == "a"
-    assert any(line.startswith("a  ppo-seed0 is not ranked: discomfort 6 s per 30 s") for line in lines)
+    assert any("not ranked: discomfort 6 s per 30 s" in line for line in lines)
 
 
 def test_numbers_are_written_for_people():

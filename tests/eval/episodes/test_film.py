@@ -6,10 +6,9 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
-from rich.console import Console
 
 from eval.commands.app import main
-from eval.episodes.film import Episode, Film
+from eval.episodes.film import Film
 from eval.kept.entries import Settings, load_entries
 from jawenv.rendering.palette import knowledge
 
@@ -50,19 +49,11 @@ def test_two_are_filmed_beside_each_other(tmp_path, capsys):
     assert blue[:, 320:].sum() > 100 + blue[:, :320].sum()
 
 
-def test_pictures_name_maneuver_patient_and_control(tmp_path):
+def test_pictures_name_maneuver_patient_and_control():
     entry = load_entries(["chirp"], Settings.of(1, 5000, cohort="severe", control="force", episode_s=1.0).world)[0]
-    console = Console(quiet=True)
-    own = Episode(Film(entry, seed=5000), "rgb_array", console)
-    assert own.title == "chirp: Jaw, severe patient, seed 5000, force control"
-    named = Episode(Film(entry, seed=5000, patient=Path("aunt.json")), "rgb_array", console)
+    assert Film(entry, seed=5000).title == "chirp: Jaw, severe patient, seed 5000, force control"
+    named = Film(entry, seed=5000, patient=Path("aunt.json"))
     assert named.title == "chirp: Jaw, patient aunt, seed 5000, force control"
-    other = Episode(Film(entry, seed=5001), "rgb_array", console)
-    pictures = []
-    for episode in (own, other):
-        next(episode.steps())
-        pictures.append(episode.picture())
-    assert (pictures[0][:50] != pictures[1][:50]).any()
 
 
 @pytest.mark.parametrize(

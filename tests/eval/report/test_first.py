@@ -5,9 +5,8 @@ import io
 import pytest
 from rich.console import Console
 
-from eval.comparison.admission import AdmissionLimits
 from eval.comparison.ranking import rank
-from eval.report import first, page, table
+from eval.report import first, table
 from eval.report.charts import entries
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, many_entries, study
 
@@ -57,31 +56,16 @@ def test_the_best_is_the_first_that_can_be_believed_or_nobody(made):
     assert not first.belief(nobody)[0]
 
 
-def test_bars_are_full_at_the_best_and_empty_at_what_is_not_allowed(made):
-    ranking = rank(made)
-    rows = {row.entry: page._bars(ranking, row, 20.0) for row in ranking.rows}
-    assert rows[GOOD].comfortable == page.Bar("0.00 s", 1.0)
-    assert rows[IDLE].soon == page.Bar("never", 0.0)
-    assert rows[BOASTFUL].sure.full == 0.0, "sds that are false are not sure"
-    assert rows["ppo-seed0"].comfortable.full == 0.0
-    assert 0.0 < rows[GOOD].soon.full < 1.0
-    strict = rank(made, admission=AdmissionLimits(discomfort_s=0.0))
-    assert page._bars(strict, strict.rows[0], 20.0).comfortable.full == 1.0
-
-
 def test_the_terminal_shows_one_short_table_and_the_verdict():
     ranking, console = rank(many_entries()), Console(file=io.StringIO(), width=100)
     table.show(ranking, console)
-    table.show_verdict(ranking, (), console)
+    table.show_verdict(ranking, console)
     lines = [line.rstrip() for line in console.file.getvalue().splitlines()]
     assert len(lines) < 20
     assert any("my own" in line for line in lines) and not any("no 6" in line for line in lines)
-    assert "6 more entries, and more about each: --details" in lines
+    assert "6 more entries: in the report" in lines
     assert lines[-2].startswith("The best is no 1: ")
     assert lines[-1].startswith("Can it be believed? Yes, because the NEES of no 1 is ")
-    whole = Console(file=io.StringIO(), width=120)
-    table.show(ranking, whole, details=True)
-    assert "no 6" in whole.file.getvalue()
 
 
 def test_entries_of_one_colour_differ_in_dash_and_in_marker():

@@ -5,7 +5,6 @@ from html.parser import HTMLParser
 import pytest
 
 from eval.comparison.ranking import rank
-from eval.report.learned import learned
 from eval.report.page import render, write
 from tests.eval.studies import ENTRIES, GOOD, study
 
@@ -45,7 +44,7 @@ def made():
 
 @pytest.fixture(scope="module")
 def page(made):
-    return render(made, rank(made), learned(made, rank(made)))
+    return render(made, rank(made))
 
 
 def test_the_report_is_one_whole_page_without_the_network(page):
@@ -92,7 +91,7 @@ def test_charts_show_what_the_table_holds(made, page):
 def test_the_bound_is_drawn_where_it_is_one(made, page):
     settings = made.about["settings"] | {"reality": {"creep_share": 0.3}}
     misled = type(made)(made.patients, made.curves, made.about | {"settings": settings})
-    other = render(misled, rank(misled), learned(misled, rank(misled)))
+    other = render(misled, rank(misled))
     assert "bound" in data_of(page)["curves"][GOOD]["log_b/masseter_left"]
     assert "bound" not in data_of(other)["curves"][GOOD]["log_b/masseter_left"]
     assert "No bound is drawn" in other
@@ -106,7 +105,7 @@ def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_p
     strange = whole.about | {"command": evil}
     rows, curves = whole.of(GOOD).assign(entry=evil), whole.curves[whole.curves["entry"] == GOOD].assign(entry=evil)
     one = type(whole)(rows, curves, strange)
-    path = write(one, rank(one), learned(one, rank(one)), tmp_path / "new" / "report.html")
+    path = write(one, rank(one), tmp_path / "new" / "report.html")
     text = path.read_text()
     assert "<script>alert" not in text
     assert text.rstrip().endswith("</html>")
@@ -124,7 +123,7 @@ def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_p
 )
 def test_the_report_follows_the_parameters_of_the_environment(env, number, muscle):
     made = study(patients=5, env=env)
-    page = render(made, rank(made), learned(made, rank(made)))
+    page = render(made, rank(made))
     assert f"<title>{env}: " in page
     for words in (f"worst of the {number} sd", f"calibrated: {number}<", f"known<br>of {number}<"):
         assert words in page
