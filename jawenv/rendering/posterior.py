@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from jawenv.rendering import palette
 from jawenv.rendering.canvas import Box, Canvas
-from jawenv.rendering.joint import draw_joint, draw_truth_ring
 from jawenv.rendering.muscles import split_name, symbol
 from jawenv.rendering.palette import FAINT_INK, GRID, INK, SOFT_INK, TRACK
 from jawenv.rendering.scene import Scene
@@ -88,12 +87,11 @@ class Block:
 
 @dataclass(frozen=True)
 class _Layout:
-    """The whole panel; `joint` is the room below the rows, if there is enough for pictures of pairs."""
+    """The whole panel."""
 
     columns: Columns
     blocks: tuple[Block, ...]
     headed: bool
-    joint: Box | None
 
 
 def lay_out(box: Box, scene: Scene) -> _Layout:
@@ -115,10 +113,7 @@ def lay_out(box: Box, scene: Scene) -> _Layout:
             for line, muscle in enumerate(muscles)
         ]
         blocks.append(Block(kind, top, height, tuple(rows)))
-    end = columns.top + len(kinds) * height
-    x, _, width, _ = box
-    joint = (x + 16, end + 6, width - 32, columns.bottom - end - 2) if columns.bottom - end > 110 else None
-    return _Layout(columns, tuple(blocks), headed, joint)
+    return _Layout(columns, tuple(blocks), headed)
 
 
 def _columns(box: Box, headed: bool) -> Columns:
@@ -154,7 +149,7 @@ def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
             labelled = x
     for block in layout.blocks:
         _draw_block_names(canvas, box, layout, block)
-    _draw_legend(canvas, box, scene, with_ring=layout.joint is not None)
+    _draw_legend(canvas, box, scene)
 
 
 def _draw_block_names(canvas: Canvas, box: Box, layout: _Layout, block: Block) -> None:
@@ -172,29 +167,24 @@ def _draw_block_names(canvas: Canvas, box: Box, layout: _Layout, block: Block) -
         canvas.text(row.letter, position, 11, SOFT_INK, bold=True, anchor="centre")
 
 
-def _draw_legend(canvas: Canvas, box: Box, scene: Scene, with_ring: bool) -> None:
-    x, y = box[0] + (20 if with_ring else 38), box[1] + box[3] - 20
+def _draw_legend(canvas: Canvas, box: Box, scene: Scene) -> None:
+    x, y = box[0] + 38, box[1] + box[3] - 20
     canvas.rect((x, y - 5, 34, 10), TRACK, radius=3)
     x += 40 + canvas.text("prior ± 2 sd", (x + 40, y), 10.5, SOFT_INK) + 18
     canvas.rect((x, y - 4, 22, 8), palette.knowledge(0.05), radius=4)
     x += 28 + canvas.text("posterior ± 2 sd", (x + 28, y), 10.5, SOFT_INK) + 18
     if scene.truth is not None:
         _draw_truth(canvas, x + 4, y + 8)
-        if with_ring:
-            draw_truth_ring(canvas, x + 19, y)
-            x += 16
         canvas.text("truth, unseen by the filter", (x + 14, y), 10.5, SOFT_INK, fit=box[0] + box[2] - x - 26)
 
 
 def draw_posterior(canvas: Canvas, box: Box, scene: Scene) -> None:
-    """Draw one row per muscle; where there are few, also how their two parameters hang together."""
+    """Draw one row per muscle."""
     layout = lay_out(box, scene)
     index = {name: i for i, name in enumerate(scene.parameter_names)}
     for block in layout.blocks:
         for row in block.rows:
             _draw_row(canvas, layout.columns, scene, index, row)
-    if layout.joint is not None:
-        draw_joint(canvas, layout.joint, scene)
 
 
 def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, int], row: _MuscleRow) -> None:

@@ -1,15 +1,13 @@
-"""The content of a picture: one moment of an episode as plain numbers, checked on the way in."""
+"""The content of a picture: one moment of an episode as plain numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.base.errors import InputError
 from jawenv.ladder import Plant
 
 Array = NDArray[np.float64]
@@ -17,16 +15,6 @@ Moment = tuple[float, float, float, float]
 """Time (s), opening, side and fore-aft excursion (mm)."""
 
 _PLANAR_M = 1e-3
-_SCALARS = (
-    "fossa_drop_m",
-    "fossa_frequency",
-    "condyle_half_width_m",
-    "governor",
-    "time_s",
-    "episode_s",
-    "opening_mm",
-    "information_nats",
-)
 
 
 @dataclass(frozen=True)
@@ -72,28 +60,6 @@ class Scene:
     information_nats: float  # information gained so far
     title: str  # one line above the picture
 
-    def __post_init__(self) -> None:
-        """Check every field."""
-        self._check_names()
-        for field, shape in self._shapes().items():
-            object.__setattr__(self, field, _array(field, getattr(self, field), shape))
-        for field in _SCALARS:
-            if not np.isfinite(getattr(self, field)):
-                raise InputError(f"{field}: {getattr(self, field)} is not a finite number")
-        _require_all("muscle_tension_N", self.muscle_tension_N, self.muscle_tension_N >= 0, "at least 0")
-        _require_all("prior_sd", self.prior_sd, self.prior_sd > 0, "above 0")
-        variance = np.diagonal(self.belief_cov)
-        _require_all("belief_cov", variance, variance > 0, "above 0 on the diagonal")
-        if self.plant not in get_args(Plant):
-            raise InputError(f"plant is '{self.plant}'; allowed: {', '.join(get_args(Plant))}")
-        if np.abs(self.rotation @ self.rotation.T - np.eye(3)).max() > 1e-3:
-            raise InputError("rotation: columns are not orthonormal; a rotation matrix is needed")
-        if self.episode_s <= 0:
-            raise InputError(f"episode_s is {self.episode_s}; allowed: numbers above 0")
-        if not 0 <= self.governor <= 1:
-            raise InputError(f"governor is {self.governor}; allowed: 0 to 1")
-        self._check_comfort()
-
     @property
     def belief_sd(self) -> Array:
         """(P,) posterior standard deviations."""
@@ -130,56 +96,3 @@ class Scene:
         """Height of the condyle's path at x."""
         height: Array = self.fossa_drop_m * (np.cos(self.fossa_frequency * x) - 1)
         return height
-
-    def _shapes(self) -> dict[str, tuple[int, ...]]:
-        muscles, parameters = len(self.muscle_names), len(self.parameter_names)
-        shapes: dict[str, tuple[int, ...]] = {
-            "muscle_origin_m": (muscles, 3),
-            "muscle_insertion_m": (muscles, 3),
-            "muscle_tension_N": (muscles,),
-            "contact_m": (3,),
-            "rotation": (3, 3),
-            "mouthpiece_m": (3,),
-            "mouthpiece_force_N": (3,),
-            "belief_cov": (parameters, parameters),
-            "opening_limits_mm": (2,),
-            "excursion_mm": (2,),
-            "excursion_soft_mm": (2,),
-        }
-        for field in ("belief_mean", "prior_mean", "prior_sd", "truth"):
-            if getattr(self, field) is not None or field != "truth":
-                shapes[field] = (parameters,)
-        return shapes
-
-    def _check_names(self) -> None:
-        if not self.muscle_names:
-            raise InputError("muscle_names: empty; at least one line is needed")
-        for muscle in self.muscle_names:
-            for parameter in (f"log_F_o/{muscle}", f"log_b/{muscle}"):
-                if parameter not in self.parameter_names:
-                    raise InputError(f"parameter_names: '{parameter}' is missing")
-
-    def _check_comfort(self) -> None:
-        for name, used in self.comfort.items():
-            if not np.isfinite(used):
-                raise InputError(f"comfort: '{name}' is {used}, not a finite number")
-            hard = self.comfort_hard.get(name)
-            if hard is None or not np.isfinite(hard) or hard <= 1:
-                raise InputError(f"comfort_hard: '{name}' is {hard}; a fraction above 1 is needed")
-
-
-def _array(field: str, value: object, shape: tuple[int, ...]) -> Array:
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{field}: not an array of numbers of shape {shape}") from None
-    if array.shape != shape:
-        raise InputError(f"{field} has shape {array.shape}; allowed: {shape}")
-    if not np.isfinite(array).all():
-        raise InputError(f"{field} holds {array[~np.isfinite(array)][0]}; allowed: finite numbers")
-    return array
-
-
-def _require_all(field: str, array: Array, allowed: NDArray[np.bool_], rule: str) -> None:
-    if not allowed.all():
-        raise InputError(f"{field} holds {array[~allowed][0]}; allowed: {rule}")

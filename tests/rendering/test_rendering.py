@@ -7,7 +7,6 @@ import sys
 import numpy as np
 import pytest
 
-from jawenv.base.errors import InputError
 from jawenv.rendering import Renderer, Scene, palette
 from tests.rendering.jaw_scenes import COMFORT, FRONT, LIMITS, POSTERIOR, SIDE, TRACE, coloured, differ, scene
 
@@ -132,51 +131,6 @@ def test_extreme_beliefs_stay_inside_their_columns(draw):
     mild, wild = draw(scene()), draw(scene(belief_mean=np.tile([40.0, -40.0], 6), sd=1e-6))
     assert differ(mild, wild, np.s_[60:500, 1268:1280]) == 0
     assert differ(mild, wild, np.s_[60:500, 800:812]) == 0
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("belief_mean", np.full(12, np.nan)),
-        ("belief_cov", np.full((12, 12), np.nan)),
-        ("belief_cov", np.zeros((12, 12))),
-        ("belief_cov", np.ones(12)),
-        ("prior_sd", np.full(12, -1.0)),
-        ("prior_mean", np.zeros(11)),
-        ("truth", np.full(12, np.inf)),
-        ("muscle_origin_m", np.full((6, 3), np.nan)),
-        ("muscle_insertion_m", np.zeros((6, 2))),
-        ("muscle_tension_N", np.full(6, -1.0)),
-        ("muscle_names", ()),
-        ("parameter_names", tuple("abcdefghijkl")),
-        ("contact_m", np.array([np.nan, 0, 0])),
-        ("contact_m", "here"),
-        ("rotation", np.full((3, 3), np.nan)),
-        ("rotation", 2 * np.eye(3)),
-        ("plant", "real"),
-        ("condyle_half_width_m", np.nan),
-        ("mouthpiece_m", np.array([0, np.inf, 0])),
-        ("mouthpiece_force_N", np.array([0, 0, np.nan])),
-        ("fossa_drop_m", np.nan),
-        ("fossa_frequency", np.inf),
-        ("comfort", {"force": np.nan}),
-        ("comfort_hard", dict.fromkeys(LIMITS, 1.0)),
-        ("comfort_hard", {}),
-        ("governor", 1.5),
-        ("governor", np.nan),
-        ("time_s", np.nan),
-        ("episode_s", 0.0),
-        ("opening_mm", np.nan),
-        ("opening_limits_mm", np.array([25.0, np.inf])),
-        ("excursion_mm", np.zeros(3)),
-        ("excursion_soft_mm", np.full(2, np.nan)),
-        ("information_nats", np.nan),
-    ],
-)
-def test_bad_scene_is_refused_by_the_name_of_its_field(field, value):
-    with pytest.raises(InputError) as caught:
-        scene(**{field: value})
-    assert "\n" not in str(caught.value)
 
 
 def test_closing_twice_and_drawing_again():

@@ -89,16 +89,6 @@ def test_a_jaw_that_opens_looks_different_in_both_views(model):
         assert scenes.differ(closed, opened, part) > 5000
 
 
-@models
-def test_two_parameters_that_hang_together_show_where_there_is_room(model):
-    size = len(MODELS[model].muscles.parameter_names)
-    apart, together = np.eye(size) * 0.04, np.eye(size) * 0.04
-    together[0, 1] = together[1, 0] = 0.038
-    renderer = Renderer("rgb_array", 20)
-    one, other = (renderer.draw(scenes.scene(model=model, belief_cov=cov)) for cov in (apart, together))
-    assert (scenes.differ(one, other, scenes.POSTERIOR) > 50) == (size < 12)
-
-
 def test_a_lifted_condyle_is_told_from_a_pressed_one():
     pressed, lifted = (scenes.scene(model="sagittal", lift_m=lift) for lift in (0.1e-3, -1e-3))
     assert (pressed.condyle_gap_m < 0).all() and lifted.condyle_gap_m == pytest.approx(1e-3, abs=2e-5)
