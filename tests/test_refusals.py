@@ -19,8 +19,9 @@ from eval.thesis.methods.least_squares import NonlinearLeastSquares
 from eval.thesis.methods.moment_balance import balance_of
 from eval.thesis.methods.two_stage import TwoStageLogLinear
 from jawenv import InputError
-from jawenv.analysis.identifiability import collinearity, collinearity_of_size, in_words
+from jawenv.analysis.identifiability import collinearity, collinearity_of_size
 from jawenv.analysis.observability import observability
+from jawenv.analysis.wording import in_words
 from jawenv.anatomy import MuscleSet, Patient, Prior, attachment, cohort, default_fossa, default_mandible, muscle_set
 from jawenv.anatomy.prior import Stiffness
 from jawenv.ladder import model_named, model_of_env

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.analysis.identifiability import in_words
+from jawenv.analysis.wording import in_words
 from jawenv.anatomy import MUSCLE_NAMES
 from jawenv.anatomy.cohorts import TRUNCATION_SD
 from jawenv.answers.assumed import assumed_in_words, cohort_assumed, reasons

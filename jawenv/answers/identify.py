@@ -6,13 +6,14 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jawenv.answers.answer import Answer
-from jawenv.answers.stretcher import StretcherAnswer, answer_of_log
 from jawenv.base.errors import InputError
+from jawenv.base.files import read_mapping
+from jawenv.recordings.columns import FORCE, OPENING
 from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.estimate import Array, Estimate
 from jawenv.recordings.files import PathLike, load_record
@@ -20,10 +21,12 @@ from jawenv.recordings.identification import Identification
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
 from jawenv.recordings.several.together import MOST, Agreement, agreement, combined, together
-from jawenv.recordings.stretcher.log import is_log
-from jawenv.recordings.table import checked_path, read_table
+from jawenv.recordings.table import RecordTable, checked_path, read_table
 from jawenv.recordings.untold.learnt import identified_with_errors
 from jawenv.recordings.words import WORDS
+
+if TYPE_CHECKING:
+    from jawenv.answers.stretcher import StretcherAnswer
 
 
 def identify(
@@ -61,7 +64,9 @@ def identify(
     if not 1 <= len(paths) <= MOST:
         raise InputError(f"{len(paths)} recordings; allowed: 1 to {MOST}")
     tables = [read_table(checked_path(path), WORDS) for path in paths]
-    if len(tables) == 1 and is_log(tables[0], None if columns is None else Path(columns)):
+    if len(tables) == 1 and _is_log(tables[0], None if columns is None else Path(columns)):
+        from jawenv.answers.stretcher import answer_of_log
+
         return answer_of_log(tables[0], reading, before)
     if before is not None:
         raise InputError("before is given with recordings of six coordinates; allowed: with a log of force and opening")
@@ -80,6 +85,12 @@ def identify(
         return Answer((paths[0],), (records[0],), (found[0],), found[0], learnt, None)
     agree, whole = _together(records, found)
     return Answer(tuple(paths), tuple(records), tuple(found), whole, None, agree)
+
+
+def _is_log(table: RecordTable, columns: Path | None) -> bool:
+    """Whether a file, or the mapping file to it, has an opening or one force in place of a mouthpiece's motion."""
+    names = table.columns if columns is None else read_mapping(columns)
+    return OPENING in names or FORCE in names
 
 
 def _check_distinct(paths: Sequence[str], records: Sequence[Record]) -> None:

@@ -12,7 +12,6 @@ from jawenv.base.errors import InputError
 from jawenv.base.extras import of_the_clone
 from jawenv.commands.outputs import Output, check_outputs
 from jawenv.recordings.defaults import BENCH
-from jawenv.recordings.doctor.examination import examined
 from jawenv.recordings.files import load_record
 
 NOT_BELIEVABLE = 3
@@ -57,6 +56,8 @@ def look_at(path: Path, reading: Mapping[str, Any]) -> int:
     Returns:
         Exit code: 0, or 3 where something is to be looked at.
     """
+    from jawenv.recordings.doctor.examination import examined
+
     checks = examined(load_record(path, BENCH, **reading))
     for one in checks:
         print(f"{'ok     ' if one.fine else 'LOOK AT'} {one.what:7} {one.value}")

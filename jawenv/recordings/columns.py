@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from math import degrees
 
 TIME = "time_s"
+OPENING, FORCE = "opening_mm", "force_N"
+"""Columns of a stretcher's log."""
 AXES = ("x", "y", "z")
 ANGLES = ("pitch", "yaw", "roll")
 TICK_MOMENTS = ("start", "middle", "end")

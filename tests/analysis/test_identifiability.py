@@ -103,13 +103,6 @@ def test_subsets_come_with_the_worst_first(rng):
     assert bigger[0] >= indices[0] - 1e-6, "with more parameters it can only rise"
 
 
-def test_a_pair_s_table_holds_every_pair():
-    table = report("hold_still").pair_collinearity
-    i, j = 3, 8
-    assert table[i, j] == table[j, i] == pytest.approx(collinearity(report("hold_still").information, [i, j]))
-    assert (np.diag(table) == 1.0).all() and (table >= 1.0 - 1e-9).all()
-
-
 def test_what_slow_opening_leaves_is_the_medial_pterygoid_and_the_fore_aft_force_helps():
     """Its strength against its exponent, on both sides; the masseter's line is near its own."""
     slow = report("slow_opening").least_known()[0]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jawenv.analysis.identifiability import in_words
+from jawenv.analysis.wording import in_words
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.ladder import MODELS
 

@@ -17,8 +17,8 @@ from jawenv.playing.policies.card import read_card
 from jawenv.playing.policies.residual import ResidualPolicy
 from tests.recorded import BODY
 from training.cli import main
+from training.run.best_policy import config_sha256
 from training.run.config import BASE_FILE
-from training.run.export import config_sha256
 from training.run.folder import RunFolder
 
 CONFIG = """

@@ -1,42 +1,25 @@
-"""A run's policy as it is kept and shared: plain weights, a card, and a README made of the card."""
+"""A run's policy as it is shared: plain weights, a card, and a README made of the card."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import yaml
-from safetensors.numpy import save
 
-import jawenv
 from agents.evaluations import FILE as EVALUATIONS
 from agents.evaluations import read_evaluations
 from jawenv.base.errors import InputError, reason_of
-from jawenv.base.files import read_mapping, write_text
+from jawenv.base.files import write_text
 from jawenv.base.locks import alone
 from jawenv.base.reading import read_text
-from jawenv.playing.policies.card import (
-    CARD,
-    WEIGHTS,
-    Architecture,
-    CorrectedManeuver,
-    Environment,
-    ModelCard,
-    Result,
-    read_card,
-)
+from jawenv.playing.policies.card import CARD, WEIGHTS, ModelCard, Result, read_card
 from jawenv.playing.policies.plain import read_weights, write_policy
-from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
 
 README = "README.md"
-NO_LICENCE = "none yet"
-"""Licence of a policy that was not exported."""
 _LICENCES = {
     "MIT",
     "Apache-2.0",
@@ -53,45 +36,6 @@ _LICENCES = {
 """Licences that the Hub knows by these names, in small letters."""
 _TAGS = ["reinforcement-learning", "gymnasium", "system-identification", "biomechanics", "simulation"]
 _TASK = "reinforcement-learning"
-
-
-def write_run_policy(
-    run: RunFolder,
-    config: TrainingConfig,
-    environment: Environment,
-    architecture: Architecture,
-    residual: CorrectedManeuver | None,
-    weights: dict[str, np.ndarray],
-    steps: int,
-) -> None:
-    """Write a run's best policy into its folder.
-
-    Args:
-        run: the run.
-        config: of the run.
-        environment: where it is trained.
-        architecture: of the network.
-        residual: the maneuver that the policy corrects.
-        weights: of the network.
-        steps: that it has learned from.
-    """
-    content = save(weights)
-    card = ModelCard(
-        environment=environment,
-        observation_size=architecture.layers[0],
-        architecture=architecture,
-        algorithm=config.algorithm,
-        seed=config.seed,
-        steps=steps,
-        residual=residual,
-        jawenv_version=jawenv.__version__,
-        config_sha256=config_sha256(run.config_file),
-        weights_sha256=hashlib.sha256(content).hexdigest(),
-        licence=NO_LICENCE,
-        date=datetime.now(UTC).date(),
-        commands=run.commands(),
-    )
-    write_policy(run.path, content, card)
 
 
 def export(
@@ -144,12 +88,6 @@ def export(
             write_text(output / EVALUATIONS, evaluated)
         write_policy(output, weights, card)
     return card
-
-
-def config_sha256(path: Path) -> str:
-    """The hash of a configuration file's content, however it is laid out."""
-    canonical = json.dumps(read_mapping(path), sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(canonical.encode()).hexdigest()
 
 
 def _check_free(output: Path, overwrite: bool) -> None:

@@ -24,10 +24,10 @@ from jawenv.playing.policies.card import CorrectedManeuver, Environment
 from jawenv.playing.policies.following import decision_hz
 from jawenv.playing.policies.residual import BaseTargets
 from training.run.algorithms import make_model, plain_policy
+from training.run.best_policy import write_run_policy
 from training.run.callbacks import Interrupt, Multiplier, Upkeep
 from training.run.config import EnvConfig, TrainingConfig
 from training.run.evaluations import Evaluations, in_words
-from training.run.export import write_run_policy
 from training.run.folder import RunFolder, damaged, read_counts
 from training.run.pathwise import APG
 from training.run.worlds import world_seed, worlds_for

@@ -1,4 +1,4 @@
-"""A log of a clinic's stretcher, time, opening and force: read from a file, or cut from a played episode."""
+"""A log of a clinic's stretcher, time, opening and force, read from a file."""
 
 from __future__ import annotations
 
@@ -9,20 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
-from jawenv.base.files import read_mapping
-from jawenv.kernels.vec3 import apply
 from jawenv.mechanics.dynamics import N_STATES
-from jawenv.mechanics.kinematics import rotation
-from jawenv.recordings.columns import TIME
+from jawenv.recordings.columns import FORCE, OPENING, TIME
 from jawenv.recordings.mapping import mapped, read_columns
-from jawenv.recordings.record import Record
 from jawenv.recordings.stretcher.statics import N_PARAMETERS
 from jawenv.recordings.table import RecordTable
 from jawenv.recordings.words import check_numbers, check_texts
 
 Array = NDArray[np.float64]
 
-OPENING, FORCE = "opening_mm", "force_N"
 COLUMNS = (TIME, OPENING, FORCE)
 LIMITS = {OPENING: (-10.0, 80.0), FORCE: (-20.0, 100.0)}
 LEAST_ROWS, LEAST_OPENING_MM, LEAST_FORCE_N = 60, 5.0, 2.0
@@ -56,12 +51,6 @@ class Windows:
 
     def __getitem__(self, rows: NDArray[np.bool_]) -> Windows:
         return Windows(*(getattr(self, field.name)[rows] for field in fields(self)))
-
-
-def is_log(table: RecordTable, columns: Path | None) -> bool:
-    """Whether a file, or the mapping file to it, has an opening or one force in place of a mouthpiece's motion."""
-    names = table.columns if columns is None else read_mapping(columns)
-    return OPENING in names or FORCE in names
 
 
 def log_of_table(table: RecordTable, columns: Path | None = None) -> StretchLog:
@@ -110,31 +99,6 @@ def _spread(time: Array) -> Array:
     rows, last = np.append(first, len(time)), 2.0 * stamps[-1] - stamps[-2]
     spread: Array = np.interp(np.arange(len(time)), rows, np.append(stamps, last))
     return spread
-
-
-def log_of_record(
-    record: Record, *, hz: float = 10.0, opening_sd: float = 0.5, force_sd: float = 0.3, seed: int = 0
-) -> StretchLog:
-    """The log that a stretcher would have written of a played episode: all but two columns are cut off.
-
-    Args:
-        record: of force control, with both vertical motors alike.
-        hz: rows a second, each the mean of the ticks of its time.
-        opening_sd: white noise of the rows, mm.
-        force_sd: the same, N.
-        seed: of the noise.
-    """
-    every = round(1.0 / hz / record.dt)
-    if not 1 <= every <= len(record.samples):
-        raise InputError(f"hz is {hz:g}; allowed: {1.0 / record.time[-1]:.2g} to {1.0 / record.dt:g}")
-    rng, rows = np.random.default_rng(seed), len(record.samples) // every
-    turned = (rotation((0.0, 0.0, *angles)) for angles in record.measured[:-1, 3:6])
-    down = [-apply(turn, tuple(force))[2] for turn, force in zip(turned, record.samples[:, 1, :3], strict=True)]
-    opening = 1e3 * (record.jaw["mouthpiece"][2] - record.measured[:-1, 2])
-    means = [np.reshape(values[: rows * every], (rows, every)).mean(axis=1) for values in (opening, down)]
-    noise = rng.standard_normal((2, rows)) * [[opening_sd], [force_sd]]
-    time = np.array((np.arange(rows) + 0.5) * every * record.dt, dtype=np.float64)
-    return StretchLog("record", time, means[0] + noise[0], means[1] + noise[1])
 
 
 def windows(log: StretchLog) -> Windows:

@@ -6,11 +6,11 @@ from functools import cache
 import numpy as np
 import pytest
 
+from jawenv.answers.identify import _is_log
 from jawenv.base.errors import InputError
-from jawenv.recordings.stretcher.log import COLUMNS, is_log, log_of_record, log_of_table, windows
+from jawenv.recordings.stretcher.log import COLUMNS, log_of_table, windows
 from jawenv.recordings.table import read_table
 from jawenv.recordings.words import WORDS
-from tests.recorded import recording
 from tests.stretched_logs import log_of, patient, written
 
 
@@ -46,7 +46,7 @@ def test_a_mapping_says_names_and_units(tmp_path):
         encoding="utf-8",
     )
     given = table(log(), tmp_path / "log.csv", names=("t", "o", "f"), factors=(1e3, 0.1, -1.0))
-    assert is_log(given, columns) and not is_log(given, None)
+    assert _is_log(given, columns) and not _is_log(given, None)
     read = log_of_table(given, columns)
     np.testing.assert_allclose([read.opening, read.force], [log().opening, log().force], atol=1e-3)
 
@@ -90,13 +90,3 @@ def test_windows_find_the_noise_of_the_rows():
     assert factor == pytest.approx(0.5 / 0.3, rel=0.2)
     assert seen.opening_sd[3] == pytest.approx(0.5 * np.sqrt(9.0 / 4.0 / 10.0), rel=0.15)  # of a parabola's middle
     assert 14 <= seen.loading.sum() <= 17
-
-
-def test_a_played_episode_is_cut_to_two_columns():
-    record = recording().records[0]
-    cut = log_of_record(record, opening_sd=0.0, force_sd=0.0)
-    assert len(cut.time) == 30
-    assert cut.opening.mean() == pytest.approx(1e3 * (record.jaw["mouthpiece"][2] - record.measured[:-1, 2]).mean())
-    assert np.abs(cut.force).max() <= np.linalg.norm(record.samples[:, 1, :3], axis=1).max()
-    with pytest.raises(InputError, match="hz is 1000"):
-        log_of_record(record, hz=1000.0)
