@@ -7,7 +7,6 @@ contestant, but a yardstick of what adapting to the patient can be worth.
 
 from __future__ import annotations
 
-import time
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -37,8 +36,6 @@ class Planner(BatchAgent, ABC):
     Attributes:
         together: worlds that are best planned for at the same time.
         replan_s: how long it follows a plan.
-        decisions: plans made since ``reset``, over all worlds.
-        seconds: time that they took in all.
     """
 
     together: int
@@ -56,12 +53,6 @@ class Planner(BatchAgent, ABC):
         """Forget the worlds; without a seed the plans differ from run to run."""
         self._seed = int(np.random.default_rng().integers(2**31)) if seed is None else seed
         self._simulation: Any = None
-        self.decisions, self.seconds = 0, 0.0
-
-    @property
-    def ms_per_decision(self) -> float:
-        """Milliseconds that the plan of one world took on average; NaN before the first."""
-        return 1e3 * self.seconds / self.decisions if self.decisions else float("nan")
 
     def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
         """See ``jawenv.playing.agents.Planning.attach``."""
@@ -90,10 +81,8 @@ class Planner(BatchAgent, ABC):
         since = step - self._planned_at
         due = running & ((self._planned_at < 0) | (since < 0) | (since >= self.replan_s * self._hz - 0.5) | (step == 0))
         if due.any():
-            began = time.perf_counter()
             self._search(step, due)
             self._planned_at[due] = step[due]
-            self.decisions, self.seconds = self.decisions + int(due.sum()), self.seconds + time.perf_counter() - began
         index = np.minimum(step, configuration.steps - 1)
         return action_of(self._planned[np.arange(len(rows)), index]).astype(np.float32), None
 

@@ -74,7 +74,6 @@ def test_planning_changes_nothing_of_the_real_worlds(name, options):
     np.testing.assert_array_equal(planned.belief_cov, replayed.belief_cov)
     np.testing.assert_array_equal(planned.belief_mean, replayed.belief_mean)
     np.testing.assert_array_equal(planned.bound_sd, replayed.bound_sd)
-    assert agent.decisions == 2 and agent.ms_per_decision > 0.0
     assert np.ptp(watched.actions, axis=0).max() > 0.1
 
 
@@ -95,7 +94,6 @@ def test_a_new_episode_is_planned_from_its_start():
         env.step(begun)
     again, _ = env.reset(seed=5000)
     np.testing.assert_array_equal(agent.predict(again)[0], begun)
-    assert agent.decisions == 2
 
 
 def test_a_planner_learns_more_than_holding_still():
