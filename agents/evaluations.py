@@ -1,10 +1,9 @@
-"""The evaluations of a training run, ``evaluations.csv``: read for learning curves, without PyTorch."""
+"""The evaluations of a training run, ``evaluations.csv``, read without PyTorch."""
 
 from __future__ import annotations
 
 import csv
 from pathlib import Path
-from typing import NamedTuple
 
 from jawenv.base.errors import InputError
 from jawenv.base.reading import read_text
@@ -12,21 +11,6 @@ from jawenv.base.reading import read_text
 FILE = "evaluations.csv"
 Table = list[dict[str, float]]
 """Evaluations of one run, a row each, by the names of the columns."""
-
-
-class _Curve(NamedTuple):
-    """Columns of learning curves: name, title of the axis, factor to its unit."""
-
-    column: str
-    label: str
-    factor: float
-
-
-CURVES = (
-    _Curve("worst_sd", "worst error bar at the end, %", 100.0),
-    _Curve("known_s", "s until all are within 5 %, in half of the patients", 1.0),
-    _Curve("discomfort_s", "discomfort, s per 30 s", 1.0),
-)
 
 
 def read_evaluations(run: Path) -> Table:

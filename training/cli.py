@@ -47,8 +47,6 @@ Continue = Annotated[
     typer.Option("--continue", help="Go on with the run in the output folder if there is one; else start it."),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what the output folder holds.")]
-Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders; those of several seeds are averaged.")]
-Figure = Annotated[Path, typer.Option(metavar="FILE", help="The picture to write, a .png.")]
 
 app = command_line("Train agents that identify a patient's closing muscles.")
 app.command("refine")(refine)
@@ -101,15 +99,6 @@ def train(
         run.check_settings(training_config)
         return training.resume(run, console, training_config.steps)
     return training.start(training_config, run, console, overwrite)
-
-
-@app.command("plot")
-def plot(runs: Runs, output: Figure = Path("runs/learning_curves.png")) -> int:
-    """Draw learning curves: worst error bar, seconds and discomfort over steps, mean and 95 % interval over seeds."""
-    from training.run.plot import draw
-
-    print(draw(runs, output))
-    return 0
 
 
 @app.command("export")
