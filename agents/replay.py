@@ -91,21 +91,6 @@ class Replay(BatchAgent):
         return action.astype(np.float32), None
 
 
-def replay_of(
-    agent: Agent, *, patients: int, seed: int, env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV
-) -> Maneuver:
-    """The maneuver of an agent's targets, averaged over patients.
-
-    Args:
-        agent: plays targets control, or has its targets followed (`jawenv.playing.policies.following`).
-        patients: how many, by the seeds from `seed` on; not those that agent and replay are compared on.
-        seed: of the first patient.
-        env_kwargs: arguments of the environment.
-        env_id: its id.
-    """
-    return replays_of(agent, patients=patients, seed=seed, env_kwargs=env_kwargs, env_id=env_id)[0]
-
-
 def check_targets(agent: Agent, env_kwargs: dict[str, Any]) -> None:
     """Make sure that an agent says where the jaw shall be, so that this can be replayed."""
     control = control_of(agent, env_kwargs) or DEFAULT_CONTROL
@@ -129,7 +114,16 @@ def replays_of(
     env_id: str = DEFAULT_ENV,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Maneuver, Replay]:
-    """The averaged maneuver of ``replay_of``, and the actions with each patient; progress as ``jawenv.play``."""
+    """The maneuver of an agent's targets, averaged over patients, and the actions with each.
+
+    Args:
+        agent: plays targets control, or has its targets followed (`jawenv.playing.policies.following`).
+        patients: how many, by the seeds from `seed` on; not those that agent and replay are compared on.
+        seed: of the first patient.
+        env_kwargs: arguments of the environment.
+        env_id: its id.
+        progress: see ``jawenv.play``.
+    """
     check_targets(agent, env_kwargs)
     followed_agent = agent if isinstance(agent, ControlledAgent) and _followed(agent) else None
     every = 1 if followed_agent is None else followed_agent.controller.steps_per_decision

@@ -185,23 +185,18 @@ class Identifiability:
         return "\n".join(lines)
 
 
-def identifiability(record: Record, parameters: Array | None = None, window_s: float = 1.0) -> Identifiability:
-    """The identifiability of a record's parameters.
-
-    Args:
-        record: with ``states``, see ``bound.bound_along``.
-        parameters: (p,) natural-log parameters at which the model is linearised; None for the record's ``truth``.
-        window_s: length of the windows of the observability, s.
+def identifiability(record: Record) -> Identifiability:
+    """The identifiability of a record's parameters, at its ``truth`` and ``states``, see ``bound.bound_along``.
 
     Raises:
         InputError: as ``bound_along`` and ``observability``.
     """
-    bound = bound_along(record, parameters, every=len(record.time) - 1)
+    bound = bound_along(record, every=len(record.time) - 1)
     return Identifiability(
         parameter_names=record.parameter_names,
         duration_s=float(record.time[-1] - record.time[0]),
         covariance=bound.cov[-1],
         prior_sd=bound.prior_sd,
         information=data_information(bound.cov[-1], bound.prior_sd),
-        observability=observability(record, parameters, window_s),
+        observability=observability(record),
     )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jawenv.anatomy import Fossa, Mandible, MuscleSet, muscle_set
+from jawenv.anatomy import MuscleSet, muscle_set
 from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import real_number
 from jawenv.kernels.records import record_zeros
@@ -22,15 +22,7 @@ WIDEST_MM = 60.0
 """A jaw that opens further under a pull is said to open so far."""
 
 
-def passive_opening(
-    theta: ArrayLike,
-    pulls_N: Sequence[float] = (0.0, 20.0, 40.0),
-    *,
-    muscles: MuscleSet | None = None,
-    mandible: Mandible | None = None,
-    fossa: Fossa | None = None,
-    head_tilt_deg: float = 0.0,
-) -> NDArray[np.float64]:
+def passive_opening(theta: ArrayLike, pulls_N: Sequence[float] = (0.0, 20.0, 40.0)) -> NDArray[np.float64]:
     """Openings at the incisors (mm) at which relaxed jaws come to rest under vertical pulls on the mouthpiece.
 
     The mouth is opened by a stiff spring whose end moves down in steps of ``STEP_MM``, and the opening is read where
@@ -40,52 +32,31 @@ def passive_opening(
     Args:
         theta: (n, p) natural-log parameters of patients, or (p,) of one.
         pulls_N: 0 is the rest position; below 0 the teeth are pressed together.
-        muscles: as ``build_jaw`` takes them, as the others.
-        mandible: mass and contacts.
-        fossa: the condyles' path.
-        head_tilt_deg: pitch of the head, positive looking down; -90 lying on the back.
 
     Returns:
         (n, pulls) or (pulls,); not-a-number where a jaw has no rest position.
     """
-    lines = muscles or muscle_set()
-    jaw = build_jaw(lines, mandible, fossa, head_tilt_deg=head_tilt_deg)
-    return _read(jaw, lines, theta, ("pulls_N", pulls_N), read_opening=True)
+    return _read(theta, ("pulls_N", pulls_N), read_opening=True)
 
 
-def pull_to_open(
-    theta: ArrayLike,
-    openings_mm: Sequence[float] = (35.0,),
-    *,
-    muscles: MuscleSet | None = None,
-    mandible: Mandible | None = None,
-    fossa: Fossa | None = None,
-    head_tilt_deg: float = 0.0,
-) -> NDArray[np.float64]:
+def pull_to_open(theta: ArrayLike, openings_mm: Sequence[float] = (35.0,)) -> NDArray[np.float64]:
     """Vertical pulls on the mouthpiece (N) under which relaxed jaws come to rest so far open at the incisors.
 
     Args:
         theta: (n, p) natural-log parameters of patients, or (p,) of one.
         openings_mm: at the incisors.
-        muscles: as ``build_jaw`` takes them, as the others.
-        mandible: mass and contacts.
-        fossa: the condyles' path.
-        head_tilt_deg: pitch of the head, positive looking down; -90 lying on the back.
 
     Returns:
         (n, openings) or (openings,): 0 where the jaw rests so far open, the largest pull before a jaw that snaps
         through earlier, not-a-number where a jaw has no rest position.
     """
-    lines = muscles or muscle_set()
-    jaw = build_jaw(lines, mandible, fossa, head_tilt_deg=head_tilt_deg)
-    return _read(jaw, lines, theta, ("openings_mm", openings_mm), read_opening=False)
+    return _read(theta, ("openings_mm", openings_mm), read_opening=False)
 
 
-def _read(
-    jaw: Any, lines: MuscleSet, theta: ArrayLike, asked: tuple[str, Sequence[float]], *, read_opening: bool
-) -> NDArray[np.float64]:
+def _read(theta: ArrayLike, asked: tuple[str, Sequence[float]], *, read_opening: bool) -> NDArray[np.float64]:
     """Openings at the asked pulls, or pulls at the asked openings, of one patient or of many."""
-    name, values = asked
+    lines = muscle_set()
+    jaw, (name, values) = build_jaw(lines), asked
     rows, size = np.asarray(theta, dtype=np.float64), len(lines.parameter_names)
     if rows.ndim not in (1, 2) or rows.shape[-1] != size or not np.isfinite(rows).all():
         raise InputError(f"theta is {shown(theta)}; allowed: finite natural-log parameters, ({size},) or (n, {size})")

@@ -9,7 +9,6 @@ from html import escape
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.base.errors import InputError
 from jawenv.metrics.calibration import alarm_rings, claimed_information, covered, nees, true_information
 from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, STIFF_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
@@ -19,6 +18,8 @@ Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 TARGETS = (0.10, 0.05, 0.02)
+IDENTIFIED_SD = 0.10
+"""Largest sd of an identified parameter."""
 _ROWS = {
     "patients": ("patients", "{:.0f}"),
     "worst_sd_median": ("worst sd, median", "{:.1%}"),
@@ -155,10 +156,6 @@ def score(
     recording: Recording,
     *,
     targets: tuple[float, ...] = TARGETS,
-    sd_limit: float = 0.10,
-    stiff_F_o_N: float = STIFF_F_O_N,
-    blocked_b: float = BLOCKED_B,
-    confidence: float = CONFIDENCE,
     untold: bool = False,
 ) -> Score:
     """Judge a recording: precision, honesty, comfort and diagnosis of every patient when the episode ends.
@@ -166,11 +163,6 @@ def score(
     Args:
         recording: see `jawenv.playing.rollout.play`.
         targets: thresholds of the worst sd whose time is taken.
-        sd_limit: largest sd of an identified parameter.
-        stiff_F_o_N: F_o (N) above which a whole muscle is stiff; a line that stands for several, or for a part,
-            has that multiple.
-        blocked_b: b above which a muscle is blocked.
-        confidence: posterior probability from which on a diagnosis counts as made.
         untold: whether the last belief learns the sizes of errors that nobody told the filter of, from `records`; what
             is said of times before stays the filter's.
 
@@ -178,10 +170,8 @@ def score(
         The metrics per patient; `.summary()` aggregates them.
 
     Raises:
-        InputError: a covariance is not positive definite, or an argument is out of range.
+        InputError: a covariance is not positive definite, or ``untold`` without records.
     """
-    if not sd_limit > 0.0:
-        raise InputError(f"sd_limit is {sd_limit}; allowed: a value above 0")
     mean, cov = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
     if untold:
         from jawenv.recordings.untold.learnt import learnt_beliefs
@@ -192,7 +182,7 @@ def score(
     over_time = recording.of_asked(recording.belief_sd)
     lived = np.diff(recording.time) * recording.valid[:, 1:]
     forces = np.array([name.startswith("log_F_o/") for name in recording.parameter_names])
-    stiff_F_o_N *= whole_muscles_per_line(recording.parameter_names)
+    stiff_F_o_N = STIFF_F_O_N * whole_muscles_per_line(recording.parameter_names)
     prior_cov = np.diag(np.square(recording.prior_sd))
     return Score(
         parameter_names=recording.parameter_names,
@@ -209,13 +199,13 @@ def score(
         nees_prior=nees(recording.prior_mean - truth, prior_cov),
         inside={sigmas: covered(error, sd, sigmas).mean(axis=-1) for sigmas in (1, 2, 3)},
         rmse=rmse(error),
-        identified=identified(mean, sd, truth, sd_limit).sum(axis=-1),
+        identified=identified(mean, sd, truth, IDENTIFIED_SD).sum(axis=-1),
         discomfort_s=np.sum(recording.cost[:, 1:] * lived, axis=1),
         largest_fraction=np.max(recording.comfort * recording.valid[..., None], axis=(1, 2)),
         violated=np.asarray((recording.violation & recording.valid).any(axis=1)),
         misfit=recording.at_end(recording.misfit),
         governor=np.sum(recording.governor[:, 1:] * lived, axis=1) / np.maximum(lived.sum(axis=1), lived.max()),
         duration_s=recording.time[recording.last],
-        stiff=diagnose(truth[:, forces], mean[:, forces], sd[:, forces], stiff_F_o_N, confidence),
-        blocked=diagnose(truth[:, ~forces], mean[:, ~forces], sd[:, ~forces], blocked_b, confidence),
+        stiff=diagnose(truth[:, forces], mean[:, forces], sd[:, forces], stiff_F_o_N, CONFIDENCE),
+        blocked=diagnose(truth[:, ~forces], mean[:, ~forces], sd[:, ~forces], BLOCKED_B, CONFIDENCE),
     )

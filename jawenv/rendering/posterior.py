@@ -13,9 +13,9 @@ from jawenv.rendering.scene import Scene
 
 SHOWN_SD = 3.0  # prior standard deviations to either side
 BEST_SD = 0.01
-_HEADED_BLOCKS = 3  # with more kinds of muscles, their names stand beside the rows instead of above them
 _ROW = 46.0
-_HEADER = 20.0
+_NAMES, _VALUE, _NUMBER, _GAP, _TAG, _PERCENT = 92.0, 62.0, 36.0, 12.0, 16.0, 40.0
+"""Widths: of names, of a value's bar and of its number, between columns, of a parameter's letter, of an sd's number."""
 SD_LINES = (0.10, 0.05, 0.02)
 _LABEL_ROOM = 16.0
 _PARAMETERS = ("log_F_o", "log_b")
@@ -36,14 +36,9 @@ class SdScale:
 
 @dataclass(frozen=True)
 class Columns:
-    """Left edges and widths of the panel's columns; top and bottom of its rows.
-
-    `number_width` is the room beside a value's bar for its number, 0 where that stands below the bar.
-    """
+    """Left edges and widths of the panel's columns; top and bottom of its rows."""
 
     value_left: tuple[float, float]
-    value_width: float
-    number_width: float
     sd: SdScale
     top: float
     bottom: float
@@ -51,7 +46,7 @@ class Columns:
     def value_x(self, column: int, prior_sds: float) -> float:
         """Place of a value in prior standard deviations from the prior mean; the scale's ends hold it."""
         share = 0.5 + min(max(prior_sds, -SHOWN_SD), SHOWN_SD) / (2 * SHOWN_SD)
-        return self.value_left[column] + share * self.value_width
+        return self.value_left[column] + share * _VALUE
 
 
 @dataclass(frozen=True)
@@ -62,17 +57,6 @@ class _MuscleRow:
     letter: str
     middle: float
     height: float
-    number_below: bool
-
-    @property
-    def bar(self) -> float:
-        """Height of the bars of its values."""
-        return self.middle - (5 if self.number_below else 0)
-
-    @property
-    def sd(self) -> tuple[float, float]:
-        """Heights of the bars of its two standard deviations."""
-        return (self.middle - 11, self.middle + 6) if self.number_below else (self.middle - 6, self.middle + 6)
 
 
 @dataclass(frozen=True)
@@ -91,7 +75,6 @@ class _Layout:
 
     columns: Columns
     blocks: tuple[Block, ...]
-    headed: bool
 
 
 def lay_out(box: Box, scene: Scene) -> _Layout:
@@ -99,32 +82,22 @@ def lay_out(box: Box, scene: Scene) -> _Layout:
     kinds: dict[str, list[str]] = {}
     for muscle in scene.muscles:
         kinds.setdefault(split_name(muscle)[0], []).append(muscle)
-    headed = len(kinds) <= _HEADED_BLOCKS
-    columns = _columns(box, headed)
+    x, y, width, height = box
+    first = x + 16 + _NAMES
+    second = first + _VALUE + _NUMBER + _GAP
+    sd_left = second + _VALUE + _NUMBER + _GAP + _TAG
+    columns = Columns((first, second), SdScale(sd_left, x + width - 16 - _PERCENT - sd_left), y + 74, y + height - 40)
     most = max(len(muscles) for muscles in kinds.values())
-    header = _HEADER if headed else 0.0
-    height = min((columns.bottom - columns.top) / len(kinds), header + most * _ROW)
-    row = (height - header) / most
+    row = min((columns.bottom - columns.top) / len(kinds) / most, _ROW)
     blocks = []
     for number, (kind, muscles) in enumerate(kinds.items()):
-        top = columns.top + number * height
+        top = columns.top + number * most * row
         rows = [
-            _MuscleRow(muscle, split_name(muscle)[1][:1].upper(), top + header + (line + 0.5) * row, row, headed)
+            _MuscleRow(muscle, split_name(muscle)[1][:1].upper(), top + (line + 0.5) * row, row)
             for line, muscle in enumerate(muscles)
         ]
-        blocks.append(Block(kind, top, height, tuple(rows)))
-    return _Layout(columns, tuple(blocks), headed)
-
-
-def _columns(box: Box, headed: bool) -> Columns:
-    x, y, width, height = box
-    left, right = x + 16, x + width - 16
-    value, beside, gap, tag, number = (100.0, 0.0, 14.0, 20.0, 42.0) if headed else (62.0, 36.0, 12.0, 16.0, 40.0)
-    first = left + (22 if headed else 92)
-    second = first + value + beside + gap
-    sd_left = second + value + beside + gap + tag
-    sd_width = right - number - sd_left
-    return Columns((first, second), value, beside, SdScale(sd_left, sd_width), y + 74, y + height - 40)
+        blocks.append(Block(kind, top, most * row, tuple(rows)))
+    return _Layout(columns, tuple(blocks))
 
 
 def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
@@ -132,14 +105,12 @@ def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
     layout = lay_out(box, scene)
     columns, worst = layout.columns, float(scene.prior_sd.max())
     heading, end = box[1] + 50, layout.blocks[-1].top + layout.blocks[-1].height
-    quantities = ("force, jaw closed", "exponent") if layout.headed else ("closed, N", "exponent")
-    for column, (name, quantity) in enumerate(zip(_PARAMETERS, quantities, strict=True)):
+    for column, (name, quantity) in enumerate(zip(_PARAMETERS, ("closed, N", "exponent"), strict=True)):
         left = columns.value_left[column]
         used = symbol(canvas, name, (left, heading), 12.5, INK)
-        room = columns.value_width + columns.number_width - used - 4
+        room = _VALUE + _NUMBER - used - 4
         canvas.text(quantity, (left + used + 6, heading), 10.5, SOFT_INK, fit=room)
-    tag = 20 if layout.headed else 16
-    canvas.text("sd, %" if layout.headed else "sd", (columns.sd.left - tag, heading), 12, INK, bold=True)
+    canvas.text("sd", (columns.sd.left - _TAG, heading), 12, INK, bold=True)
     labelled = -math.inf
     for sd in SD_LINES:
         x = columns.sd.x(sd, worst)
@@ -153,18 +124,14 @@ def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
 
 
 def _draw_block_names(canvas: Canvas, box: Box, layout: _Layout, block: Block) -> None:
-    """Name a kind of muscle above its rows, or beside them where there are many."""
-    words = block.kind.replace("_", " ").capitalize() or "All closing muscles of a side"
-    if layout.headed:
-        canvas.text(words, (box[0] + 16, block.top + 8), 12, INK, bold=True)
-    else:
-        lines = words.split(" ")
-        for number, word in enumerate(lines):
-            y = block.top + block.height / 2 + 13 * (number - (len(lines) - 1) / 2)
-            canvas.text(word, (box[0] + 16, y), 11, INK, bold=True, fit=72)
+    """Name a kind of muscle, and the sides of its rows, beside them."""
+    lines = (block.kind.replace("_", " ").capitalize() or "All closing muscles").split(" ")
+    for number, word in enumerate(lines):
+        y = block.top + block.height / 2 + 13 * (number - (len(lines) - 1) / 2)
+        canvas.text(word, (box[0] + 16, y), 11, INK, bold=True, fit=72)
     for row in block.rows:
-        position = (layout.columns.value_left[0] - (15 if layout.headed else 10), row.bar)
-        canvas.text(row.letter, position, 11, SOFT_INK, bold=True, anchor="centre")
+        place = (layout.columns.value_left[0] - 10, row.middle)
+        canvas.text(row.letter, place, 11, SOFT_INK, bold=True, anchor="centre")
 
 
 def _draw_legend(canvas: Canvas, box: Box, scene: Scene) -> None:
@@ -191,20 +158,21 @@ def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, i
     for column, parameter in enumerate(_PARAMETERS):
         i = index[f"{parameter}/{row.muscle}"]
         _draw_value(canvas, columns, scene, i, column, row)
-        symbol(canvas, parameter, (columns.sd.left - 18, row.sd[column]), 10, SOFT_INK)
-        draw_sd(canvas, columns.sd, float(scene.belief_sd[i]), float(scene.prior_sd.max()), row.sd[column])
+        y = row.middle + (1 if column else -1) * min(9.0, 0.25 * row.height)
+        symbol(canvas, parameter, (columns.sd.left - 18, y), 10, SOFT_INK)
+        draw_sd(canvas, columns.sd, float(scene.belief_sd[i]), float(scene.prior_sd.max()), y)
 
 
 def _draw_value(canvas: Canvas, columns: Columns, scene: Scene, i: int, column: int, row: _MuscleRow) -> None:
     """Interval of the posterior over the prior's, and the median with its unit."""
-    y = row.bar
+    y = row.middle
     half = min(4.5, 0.125 * row.height)
     prior_mean, prior_sd = scene.prior_mean[i], scene.prior_sd[i]
 
     def place(value: float) -> float:
         return columns.value_x(column, (value - prior_mean) / prior_sd)
 
-    left, right = columns.value_left[column], columns.value_left[column] + columns.value_width
+    left, right = columns.value_left[column], columns.value_left[column] + _VALUE
     canvas.line([(left, y), (right, y)], GRID, 1.0)
     prior_left, prior_right = columns.value_x(column, -2), columns.value_x(column, 2)
     canvas.rect((prior_left, y - half - 1.5, prior_right - prior_left, 2 * half + 3), TRACK, radius=3)
@@ -218,10 +186,7 @@ def _draw_value(canvas: Canvas, columns: Columns, scene: Scene, i: int, column: 
     if scene.truth is not None:
         _draw_truth(canvas, place(float(scene.truth[i])), y + 4.5 - half)
     words = f"{math.exp(mean):#.3g}".rstrip(".")
-    if columns.number_width:
-        canvas.text(words, (right + columns.number_width, y), 10.5, SOFT_INK, anchor="right")
-    else:
-        canvas.text(words + (" N" if column == 0 else ""), (left, row.middle + 11), 11, SOFT_INK)
+    canvas.text(words, (right + _NUMBER, y), 10.5, SOFT_INK, anchor="right")
 
 
 def _draw_truth(canvas: Canvas, x: float, y: float) -> None:

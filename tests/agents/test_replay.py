@@ -6,7 +6,7 @@ from safetensors.numpy import load_file, save_file
 
 import agents
 import jawenv
-from agents.replay import Replay, replay_of, replays_of, targets_of
+from agents.replay import Replay, replays_of, targets_of
 from jawenv.base.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.written import save_maneuver
@@ -24,7 +24,7 @@ def played(agent, patients=2, **kwargs):
 
 def test_the_replay_of_a_maneuver_is_that_maneuver():
     agent = agents.load_agent("opening_with_swings_and_fore_aft", control="targets")
-    replay = replay_of(agent, patients=2, seed=5000, env_kwargs=KWARGS)
+    replay, _ = replays_of(agent, patients=2, seed=5000, env_kwargs=KWARGS)
     again, recording = played(Player(replay, control="targets"))
     once, original = played(agent)
     np.testing.assert_allclose(again, once, atol=1e-4)
@@ -33,7 +33,7 @@ def test_the_replay_of_a_maneuver_is_that_maneuver():
 
 def test_a_replay_is_the_mean_over_patients_and_the_same_for_all(tmp_path):
     agent = agents.load_agent("random", control="targets")
-    replay = replay_of(agent, patients=2, seed=5000, env_kwargs=KWARGS)
+    replay, _ = replays_of(agent, patients=2, seed=5000, env_kwargs=KWARGS)
     mean = targets_of(played(agent)[0], 0.2).mean(axis=0)
     np.testing.assert_allclose(replay.targets(np.arange(1, 11) * 0.2).value, mean, atol=1e-4)
     path = save_maneuver(replay, tmp_path / "replay.yaml")

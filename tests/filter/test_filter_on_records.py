@@ -9,7 +9,7 @@ from recorded import BODY, SWINGS, Waves, share
 
 import jawenv
 from agents import load_agent
-from eval.thesis.methods.least_squares import LinearLeastSquares
+from eval.thesis.methods.least_squares import NonlinearLeastSquares
 from eval.thesis.methods.two_stage import TwoStageLogLinear
 from jawenv import Device, InputError, Knowledge, OnlineFilter
 from jawenv.analysis.bound import bound_along
@@ -84,7 +84,7 @@ def test_a_file_says_what_is_known_within_sds_and_gives_the_environments_belief(
     [
         ExtendedKalman().estimate,
         FilterpyExtendedKalman().estimate,
-        LinearLeastSquares().estimate,
+        NonlinearLeastSquares().estimate,
         TwoStageLogLinear().estimate,
         bound_along,
         lambda record: log_likelihood(record, record.truth),

@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 
+from jawenv.base.errors import InputError  # noqa: F401  (of the code below)
 from jawenv.rendering import Renderer, Scene, palette
 from tests.rendering.jaw_scenes import COMFORT, FRONT, LIMITS, POSTERIOR, SIDE, TRACE, coloured, differ, scene
 

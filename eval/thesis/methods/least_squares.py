@@ -26,21 +26,6 @@ class LinearLeastSquares:
     the law gives 11.0 F_o. The covariance is that of the regression about its own misfit and knows nothing of that.
     """
 
-    rows: Rows = "all"  # of the balance: the three moments (Young) or all five
-    smoothing_s: float = SMOOTHING_S  # window of the balance's smoothing (s)
-    name: str = "linear least squares"
-
-    def estimate(self, record: Record) -> Estimate:
-        """Mean and covariance of the logs by the delta method.
-
-        A muscle with F_o <= 0 has no logs, one with F_o b <= 0 no log b: these are NaN, in mean and covariance.
-        """
-        coefficients, covariance = self.coefficients(
-            balance_of(record, rows=self.rows, smoothing_s=self.smoothing_s), record.gain_sd
-        )
-        mean, covariance = logs_of_coefficients(coefficients, covariance)
-        return Estimate(self.name, record.time[-1:], mean[None], covariance[None])
-
     def coefficients(self, balance: Balance, gain_sd: float = 0.0) -> tuple[Array, Array]:
         """(2 m,) F_o and F_o b (N) of each muscle, which may be negative, and their covariance."""
         weighted = balance.whitened(balance.noise)
@@ -53,31 +38,6 @@ class LinearLeastSquares:
         solution = np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
         residual = (right - matrix @ solution).reshape(weighted.needed.shape)
         return solution, regression_covariance(jacobian, residual, weighted.by_gain, gain_sd)
-
-
-def logs_of_coefficients(coefficients: Array, covariance: Array) -> tuple[Array, Array]:
-    """Logs of F_o and b from F_o and F_o b, with covariance by the delta method; NaN where there is no log.
-
-    Args:
-        coefficients: (2 m,) F_o and F_o b of each muscle.
-        covariance: (2 m, 2 m).
-
-    Returns:
-        (2 m,) and (2 m, 2 m).
-    """
-    mean = np.full(len(coefficients), np.nan)
-    by_coefficient = np.full((len(coefficients), len(coefficients)), 0.0)
-    for first in range(0, len(coefficients), 2):
-        F_o, slope = coefficients[first : first + 2]
-        if F_o > 0.0:
-            mean[first], by_coefficient[first, first] = np.log(F_o), 1.0 / F_o
-        if F_o > 0.0 and slope > 0.0:
-            mean[first + 1] = np.log(slope / F_o)
-            by_coefficient[first + 1, first : first + 2] = -1.0 / F_o, 1.0 / slope
-    result = by_coefficient @ covariance @ by_coefficient.T
-    absent = np.isnan(mean)
-    result[absent], result[:, absent] = np.nan, np.nan
-    return mean, result
 
 
 @dataclass(frozen=True)
