@@ -13,6 +13,7 @@ from rich.console import Console
 from eval.commands import options
 from eval.commands.options import terminal, typed
 from jawenv.base.errors import InputError
+from jawenv.base.files import write_text
 from jawenv.base.locks import alone
 from jawenv.base.seeds import REPLAYS
 
@@ -129,13 +130,15 @@ def _present(
     ranking = rank(study, reference, admission)
     table.show(ranking, console)
     study_gains = gains(study, reference)
-    table.show_gains(study_gains, console)
+    compared = table.gains_table(study_gains)
+    if study_gains:
+        compared.show(console)
     with alone(output):
         study = play(study, films.candidates(ranking), console)
         console.print("drawing the report")
         written = page.write(study, ranking, output / "report.html")
         if study_gains:
-            table.write_gains(study_gains, output / "gains.md")
+            write_text(output / "gains.md", compared.markdown() + "\n")
     table.show_verdict(ranking, console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",

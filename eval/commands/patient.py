@@ -54,6 +54,7 @@ def _patient_command(
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
     from eval.patient.treatments import Course, population_of
+    from eval.report import template
     from jawenv.anatomy import MUSCLE_NAMES
 
     plan = Course(treatments, drift)
@@ -73,7 +74,7 @@ def _patient_command(
     for person, course in zip(people, courses, strict=True):
         subject = page.Subject.simulated(loaded, person, plan, float(course[-1].time[-1]))
         text = page.render(subject, course, metadata, show_truth)
-        written = page.write(text, output / f"patient-{person.name}.html")
+        written = template.write(text, output / f"patient-{person.name}.html")
         now = page.verdicts_of(course, prior)
         verdict_words = {name: verdict.word for name, verdict in zip(MUSCLE_NAMES, now, strict=True)}
         console.print(f"{written}: {page.headline(verdict_words)}", soft_wrap=True)

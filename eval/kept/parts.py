@@ -114,12 +114,12 @@ def finish(
             progress.say(f"{total - left} of {total} {unit} kept from an earlier run")
         # A process that has compiled or loaded kernels is taken for one that leaks, and replaced: nothing is lost.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
-        do_parts(missing, work, run, progress)
+        _do(missing, work, run, progress)
     return {path: contents[path] if path in contents else read(path) for path in paths}
 
 
-def do_parts(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run, progress: Progress) -> None:
-    """Do parts whatever is kept of them, as `finish` says; one that ends is counted."""
+def _do(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run, progress: Progress) -> None:
+    """Do parts, and count each that ends."""
     parallel = _parallel(run, max(len(parts), 1))
     if parallel.n_jobs > 1:
         for part in parallel(delayed(_worked)(work, part) for part in parts):

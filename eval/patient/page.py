@@ -271,11 +271,6 @@ def _since(course: Sequence[Treatment], prior: Prior, muscle: int, word: str) ->
     return f", since {when}"
 
 
-def write(page: str, path: Path) -> Path:
-    """Write a page, wholly or not at all."""
-    return template.write(page, path)
-
-
 def verdict_rows(person: Person, course: Sequence[Treatment], prior: Prior) -> list[dict[str, object]]:
     """One row per treatment and muscle: estimates with 95 % intervals, verdict, probabilities, truth.
 

@@ -12,6 +12,7 @@ from eval.kept.tables import made_with
 from eval.patient import page
 from eval.patient.courses import MOMENTS
 from eval.patient.treatments import Treatment
+from eval.report import template
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.answers.answer import Answer
 from jawenv.base.errors import InputError
@@ -46,4 +47,4 @@ def write_page(answer: Answer, target: Path) -> Path:
         prior=record.prior,
     )
     command = shlex.join(["jawenv", "identify", *answer.paths, "--page", str(target)])
-    return page.write(page.render(subject, [treatment], made_with(command), simulated), target)
+    return template.write(page.render(subject, [treatment], made_with(command), simulated), target)

@@ -15,7 +15,6 @@ import numpy.typing as npt
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
 from eval.figures import words
-from eval.figures.catalogue import DIFFERENCE
 from eval.figures.statistics import Interval
 from eval.report import drawing
 from eval.report.first import firsts
@@ -45,8 +44,6 @@ def all_charts(study: Results, ranking: Ranking) -> dict[str, Chart]:
         "nees_over_time": nees_over_time(study, ranking),
         "discomfort": discomfort(ranking),
     }
-    if len(ranking.rows) > 1:
-        charts["differences"] = differences(study, ranking)
     charts |= {f"reached_{100 * target:g}": _reached(study, ranking, target) for target in TARGETS}
     return charts
 
@@ -84,28 +81,6 @@ def worst_sd(study: Results, ranking: Ranking) -> Chart:
         hover = f"{words.label(row.entry)}<br>median {words.percent(median.value)} %"
         traces.append(_point(ranking, i, median.value, i + _BELOW, median, hover))
     return _down(ranking, traces, _sd_axis(f"worst of the {ranking.n_parameters} sd at the end (less is better)"))
-
-
-def differences(study: Results, ranking: Ranking) -> Chart:
-    """True information of every entry minus the reference's on the same patient."""
-    reference = study.of(ranking.reference)["information_true"].to_numpy()
-    differences = {i: row[DIFFERENCE] for i, row in enumerate(ranking.rows) if DIFFERENCE in row.figures}
-    largest = max((abs(difference.value) for difference in differences.values()), default=0.0)
-    traces, low, high = [], 0.0, 0.0
-    for i, difference in differences.items():
-        row = ranking.rows[i]
-        table = study.of(row.entry)
-        gained = table["information_true"].to_numpy() - reference
-        low, high = min(low, float(gained.min())), max(high, float(gained.max()))
-        traces.append(_cloud(ranking, i, gained, table["seed"].to_numpy(), "%{x:.1f} nats"))
-        hover = f"{words.label(row.entry)}<br>mean difference {words.with_interval(difference)} nats"
-        traces.append(_point(ranking, i, difference.value, i + _BELOW, difference, hover))
-    title = f"true information minus that of {words.label(ranking.reference)}, nats"
-    return _down(
-        ranking,
-        traces,
-        {"title": title, "zeroline": True, "range": [max(low, -3.0 * largest) - 1.0, min(high, 3.0 * largest) + 1.0]},
-    )
 
 
 def nees(ranking: Ranking) -> Chart:

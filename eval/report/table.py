@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
+from rich.table import Table as RichTable
 from rich.text import Text
 
 from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.comparison.trainings import DIFFERENCES, Gain
 from eval.figures import words
 from eval.figures.catalogue import FIGURES, time_to
-from eval.figures.statistics import Interval
-from eval.figures.tables import Table as WrittenTable
-from eval.figures.tables import printed_table
+from eval.figures.tables import Table, printed_table
 from eval.report import first
-from jawenv.base.files import write_text
 
 _COLOUR = {"calibrated": "green", "overconfident": "red", "cautious": "yellow"}
-GAINS_SHOWN = ("early_worst_sd", "worst_sd", "information_true", "discomfort_s")
-"""The figures of gains that a terminal has room for."""
 _MEANING = {"calibrated": "right", "overconfident": "too small", "cautious": "too large"}
 
 
@@ -39,7 +33,7 @@ def show_verdict(ranking: Ranking, console: Console) -> None:
     console.print(Text(f"Can it be believed? {'Yes' if believed else 'No'}, because {because}"), soft_wrap=True)
 
 
-def _short(ranking: Ranking) -> Table:
+def _short(ranking: Ranking) -> RichTable:
     columns = [
         *(_figure(time_to(target), f"within\n{100.0 * target:g} %, s") for target in (first.NEARLY_KNOWN, KNOWN)),
         _figure("verdicts_s"),
@@ -84,30 +78,9 @@ def _name(row: RankingRow, remark: str) -> Text:
     return name
 
 
-def _both(estimate: Interval, digits: int = 1) -> Text:
-    text = Text(words.number(estimate.value, digits))
-    text.append(f"\n{words.interval(estimate, digits)}", style="dim")
-    return text
-
-
-def show_gains(gains: tuple[Gain, ...], console: Console) -> None:
-    """Print the differences; nothing where there are none."""
-    if not gains:
-        return
-    table = printed_table("Trained and planned entries, patient by patient: mean differences")
-    table.add_column("entry", min_width=16)
-    for figure in GAINS_SHOWN:
-        table.add_column(DIFFERENCES[figure].title, justify="right")
-    for gain in gains:
-        entry = Text(words.label(gain.name) + (f", {gain.seeds} seeds" if gain.seeds > 1 else ""))
-        entry.append(f"\nagainst {words.label(gain.against)}", style="dim")
-        table.add_row(entry, *(_both(gain.figures[name], DIFFERENCES[name].digits) for name in GAINS_SHOWN))
-    console.print(table)
-
-
-def write_gains(gains: tuple[Gain, ...], path: Path) -> None:
-    """Write all figures as a Markdown table."""
-    head = ["contestant", "against", "seeds", *(figure.title for figure in DIFFERENCES.values())]
+def gains_table(gains: tuple[Gain, ...]) -> Table:
+    """All differences of trained and planned entries, one in a row."""
+    head = ["entry", "against", "seeds", *(figure.title for figure in DIFFERENCES.values())]
     rows = [
         [
             words.label(gain.name),
@@ -117,4 +90,4 @@ def write_gains(gains: tuple[Gain, ...], path: Path) -> None:
         ]
         for gain in gains
     ]
-    write_text(path, WrittenTable(head, rows, (0, 1)).markdown() + "\n")
+    return Table(head, rows, (0, 1), title="Trained and planned entries, patient by patient: mean differences")

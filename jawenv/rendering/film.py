@@ -55,14 +55,10 @@ class JawRenderer:
 
 
 class PairRenderer:
-    """Draws two scenes beside each other, off-screen: the jaw from two sides, and a bar for each parameter.
+    """Draws two scenes beside each other, off-screen: the jaw from two sides, and a bar for each parameter."""
 
-    Args:
-        size: width and height of the pictures in pixels.
-    """
-
-    def __init__(self, size: tuple[int, int] = (1280, 720)) -> None:
-        self._canvas = _canvas(size, (1280, 720))
+    def __init__(self) -> None:
+        self._canvas = _canvas((1280, 720), (1280, 720))
         self._canvas.keep_as_background()
 
     def draw(self, left: Scene, right: Scene) -> NDArray[np.uint8]:

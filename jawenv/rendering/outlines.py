@@ -171,10 +171,9 @@ def face() -> Array:
     return mirrored(spline(FRONT_HEAD, 6))
 
 
-def closed(points: Array, pieces: int = 6) -> Array:
+def closed(points: Array) -> Array:
     """Smooth closed curve through `points` (N, 2)."""
-    around = spline(np.vstack([points[-2:], points, points[:2]]), pieces)
-    return around[2 * pieces : -2 * pieces]
+    return spline(np.vstack([points[-2:], points, points[:2]]), 6)[12:-12]
 
 
 def mirrored(points: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,10 +47,6 @@ class Scene:
     belief_cov: Array  # (P, P) posterior covariance, its diagonal positive
     prior_mean: Array  # (P,) prior means of the natural logs
     prior_sd: Array  # (P,) prior standard deviations, positive
-    truth: Array | None  # (P,) true natural logs, or None where they are unknown or to be hidden
-    comfort: Mapping[str, float]  # used fraction of the soft limit by name of the limit
-    comfort_hard: Mapping[str, float]  # fraction that is the hard limit, above 1, by the same names
-    governor: float  # share of the last step in which the governor acted, 0 to 1
     time_s: float  # time since the start of the episode
     episode_s: float  # length of the episode, positive
     opening_mm: float  # opening at the incisors
@@ -59,6 +55,11 @@ class Scene:
     excursion_soft_mm: Array  # (2,) their soft limits to either side
     information_nats: float  # information gained so far
     title: str  # one line above the picture
+    truth: Array | None = None  # (P,) true natural logs, or None where they are unknown or to be hidden
+    comfort: Mapping[str, float] = field(default_factory=dict)  # used fraction of the soft limit by name of the limit
+    comfort_hard: Mapping[str, float] = field(default_factory=dict)
+    """Fraction that is the hard limit, above 1, by the same names."""
+    governor: float = 0.0  # share of the last step in which the governor acted, 0 to 1
 
     @property
     def belief_sd(self) -> Array:

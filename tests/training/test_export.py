@@ -99,11 +99,7 @@ def test_the_readme_of_a_policy_that_comes_along_is_of_its_card(name: str) -> No
     assert text == readme(name, card)
     header = header_of(text)
     assert header["license"] == "mit" and {"gymnasium", card.algorithm} <= set(header["tags"])
-    for entry, result in zip(header["model-index"][0]["results"], card.results, strict=True):
-        (metric,) = entry["metrics"]
-        assert metric["value"] == (result.mean if result.median is None else result.median)
-        assert (metric["args"]["low"], metric["args"]["high"]) == (result.low, result.high)
-        assert entry["dataset"]["args"]["patients"] == result.patients
+    assert text.count("simulated patients |") == bool(card.results)
 
 
 def card_with(**changed: object) -> ModelCard:
@@ -116,8 +112,7 @@ def card_with(**changed: object) -> ModelCard:
     [("CC-BY-4.0", {"license": "cc-by-4.0"}), ("Our own, 2030", {"license": "other", "license_name": "our-own-2030"})],
 )
 def test_a_licence_is_named_as_the_hub_names_it(licence: str, expected: dict) -> None:
-    told = metadata("mine", card_with(licence=licence, results=[]))
-    assert expected.items() <= told.items() and "model-index" not in told
+    assert expected.items() <= metadata(card_with(licence=licence, results=[])).items()
 
 
 def test_what_a_card_says_cannot_break_the_page() -> None:
@@ -125,8 +120,7 @@ def test_what_a_card_says_cannot_break_the_page() -> None:
     result = read_card(SHIPPED / "ppo_trismus").results[0].model_dump(mode="json") | {"metric": told}
     text = readme('größe "y', card_with(results=[result], licence=told, algorithm=told))
     header = header_of(text)
-    assert header["model-index"][0]["name"] == 'größe "y'
-    assert header["model-index"][0]["results"][0]["metrics"][0]["name"] == flat and flat in header["tags"]
+    assert flat in header["tags"]
     assert "<h1>no" not in markdown(text.split("---\n", 2)[2])
 
 

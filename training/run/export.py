@@ -110,12 +110,12 @@ def readme(name: str, card: ModelCard) -> str:
     The header is the Hub's metadata (https://huggingface.co/docs/hub/model-cards). It is made of the card alone, so
     that the two never differ.
     """
-    header = yaml.safe_dump(metadata(name, card), sort_keys=False, allow_unicode=True, width=110)
+    header = yaml.safe_dump(metadata(card), sort_keys=False, allow_unicode=True, width=110)
     return f"---\n{header}---\n\n{_body(name, card)}"
 
 
-def metadata(name: str, card: ModelCard) -> dict[str, Any]:
-    """The Hub's metadata: licence, library, tags, and each figure with its interval."""
+def metadata(card: ModelCard) -> dict[str, Any]:
+    """The Hub's metadata: licence, library and tags."""
     licence = card.licence
     named = (
         {"license": licence.lower()} if licence in _LICENCES else {"license": "other", "license_name": _slug(licence)}
@@ -126,25 +126,7 @@ def metadata(name: str, card: ModelCard) -> dict[str, Any]:
         "pipeline_tag": _TASK,
         "tags": [*_TAGS, _flat(card.algorithm)],
     }
-    if card.results:
-        header["model-index"] = [{"name": _flat(name), "results": [_entry(result, card) for result in card.results]}]
     return header
-
-
-def _entry(result: Result, card: ModelCard) -> dict[str, Any]:
-    first, last = result.seeds
-    kind, value = _figure(result)
-    args = {"statistic": kind, "low": result.low, "high": result.high, "level": result.level}
-    patients = {"patients": result.patients, "first_seed": first, "last_seed": last}
-    return {
-        "task": {"type": _TASK, "name": _flat(card.environment.id)},
-        "dataset": {
-            "type": f"{_flat(card.environment.id)}/{_slug(result.cohort)}",
-            "name": f"{result.patients} simulated patients of {_flat(result.cohort)}, seeds {first} to {last}",
-            "args": patients,
-        },
-        "metrics": [{"type": _slug(result.metric), "name": _flat(result.metric), "value": value, "args": args}],
-    }
 
 
 def _figure(result: Result) -> tuple[str, float]:

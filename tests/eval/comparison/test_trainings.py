@@ -66,9 +66,7 @@ def test_an_interval_over_both_covers_the_mean_of_all_seeds_and_patients():
 def test_they_are_printed_and_written(tmp_path):
     found = gains(compared(), "base")
     console = Console(file=io.StringIO(), width=140)
-    table.show_gains(found, console)
-    assert "ppo, 3 seeds" in console.file.getvalue() and "against its yoked replay" in console.file.getvalue()
-    table.show_gains((), console)
-    table.write_gains(found, tmp_path / "gains.md")
-    lines = (tmp_path / "gains.md").read_text(encoding="utf-8").splitlines()
+    table.gains_table(found).show(console)
+    assert "ppo" in console.file.getvalue() and "its yoked replay" in " ".join(console.file.getvalue().split())
+    lines = table.gains_table(found).markdown().splitlines()
     assert len(lines) == 2 + len(found) and lines[5].startswith("| ppo | base | 3 | −0.1")

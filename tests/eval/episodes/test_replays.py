@@ -17,7 +17,7 @@ SHORT = ["--patients", "2", "--episode-s", "2"]
 def quick(monkeypatch):
     """A planner of few candidates, and no report."""
     monkeypatch.setattr("agents.registry.PLANNERS", {"planned": partial(Clairvoyant, "planned", updates=2)})
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
 
 
 def test_a_replay_is_written_as_a_maneuver(tmp_path, capsys):

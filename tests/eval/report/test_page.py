@@ -8,7 +8,7 @@ from eval.comparison.ranking import rank
 from eval.report.page import render, write
 from tests.eval.studies import ENTRIES, GOOD, study
 
-CHARTS = ("information", "worst_sd", "differences", "nees", "nees_over_time", "discomfort", "reached_5")
+CHARTS = ("information", "worst_sd", "nees", "nees_over_time", "discomfort", "reached_5")
 VOID = {"meta", "br", "link", "img", "input", "hr"}
 
 
