@@ -32,7 +32,7 @@ def test_a_comparison_with_replays_says_whether_an_entry_adapts(tmp_path, capsys
     arguments = ["compare", "planned", "hold_still", *SHORT, "--control", "targets", "--with-replay"]
     assert main([*arguments, "--output", str(tmp_path)]) == 0
     written = capsys.readouterr().out
-    assert "Does it adapt?" in written
+    assert "Trained and planned entries" in written and "replay of planned" in written
     patients = pd.read_parquet(tmp_path / "patients.parquet")
     assert list(dict.fromkeys(patients["entry"])) == [
         "planned",
