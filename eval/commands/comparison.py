@@ -130,15 +130,14 @@ def _present(
     ranking = rank(study, reference, admission)
     table.show(ranking, console)
     study_gains = gains(study, reference)
-    compared = table.gains_table(study_gains)
     if study_gains:
-        compared.show(console)
+        table.gains_table(study_gains, table.GAINS_SHOWN).show(console)
     with alone(output):
         study = play(study, films.candidates(ranking), console)
         console.print("drawing the report")
         written = page.write(study, ranking, output / "report.html")
         if study_gains:
-            write_text(output / "gains.md", compared.markdown() + "\n")
+            write_text(output / "gains.md", table.gains_table(study_gains).markdown() + "\n")
     table.show_verdict(ranking, console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",

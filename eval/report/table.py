@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from rich.console import Console
 from rich.table import Table as RichTable
@@ -16,6 +16,8 @@ from eval.figures.tables import Table, printed_table
 from eval.report import first
 
 _COLOUR = {"calibrated": "green", "overconfident": "red", "cautious": "yellow"}
+GAINS_SHOWN = ("early_worst_sd", "worst_sd", "information_true", "discomfort_s")
+"""The figures of gains that a terminal has room for."""
 _MEANING = {"calibrated": "right", "overconfident": "too small", "cautious": "too large"}
 
 
@@ -78,15 +80,16 @@ def _name(row: RankingRow, remark: str) -> Text:
     return name
 
 
-def gains_table(gains: tuple[Gain, ...]) -> Table:
-    """All differences of trained and planned entries, one in a row."""
-    head = ["entry", "against", "seeds", *(figure.title for figure in DIFFERENCES.values())]
+def gains_table(gains: tuple[Gain, ...], figures: Iterable[str] = DIFFERENCES) -> Table:
+    """Differences of trained and planned entries, an entry in a row."""
+    shown = {name: DIFFERENCES[name] for name in figures}
+    head = ["entry", "against", "seeds", *(figure.title for figure in shown.values())]
     rows = [
         [
             words.label(gain.name),
             words.label(gain.against),
             str(gain.seeds),
-            *(words.with_interval(gain.figures[name], figure.digits) for name, figure in DIFFERENCES.items()),
+            *(words.with_interval(gain.figures[name], figure.digits) for name, figure in shown.items()),
         ]
         for gain in gains
     ]

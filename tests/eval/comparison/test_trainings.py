@@ -66,7 +66,7 @@ def test_an_interval_over_both_covers_the_mean_of_all_seeds_and_patients():
 def test_they_are_printed_and_written(tmp_path):
     found = gains(compared(), "base")
     console = Console(file=io.StringIO(), width=140)
-    table.gains_table(found).show(console)
+    table.gains_table(found, table.GAINS_SHOWN).show(console)
     assert "ppo" in console.file.getvalue() and "its yoked replay" in " ".join(console.file.getvalue().split())
     lines = table.gains_table(found).markdown().splitlines()
     assert len(lines) == 2 + len(found) and lines[5].startswith("| ppo | base | 3 | −0.1")
