@@ -42,7 +42,7 @@ def test_commands_unpickle_nothing_without_trust(
 def test_a_strangers_run_is_compared_and_runs_no_code(
     trust: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, learning, path: path)
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
     run = save_run(tmp_path / "run")
     make_it_run_code(run / "checkpoints" / "step_1.zip", tmp_path / "ran")
     settings = ["--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]
