@@ -81,11 +81,6 @@ def _nonlinear(clean: Record, rng: np.random.Generator) -> pd.DataFrame:
     return pd.concat(tables)
 
 
-def _draw_plane(rng: np.random.Generator) -> pd.DataFrame:
-    """Three muscles in the plane by nonlinear least squares."""
-    return _nonlinear(plane_record(), rng)
-
-
 def judge_plane(table: pd.DataFrame) -> Judgement:
     """Means close to the truth with the noise of the sensors."""
     fits = rows.spreads(rows.of_case(table, "sensors"))
@@ -106,11 +101,6 @@ def _counts(table: pd.DataFrame) -> dict[str, Interval]:
         figures[f"largest bias, noise of {case}, %"] = 100.0 * fits["bias"].abs().max()
         figures[f"largest sd, noise of {case}, %"] = 100.0 * (fits["sd"] / fits["truth"]).max()
     return {name: rows.alone(float(value)) for name, value in figures.items()}
-
-
-def _draw_full(rng: np.random.Generator) -> pd.DataFrame:
-    """Twelve parameters by nonlinear least squares, from the middle of a wide prior."""
-    return _nonlinear(full_record(), rng)
 
 
 def judge_full(table: pd.DataFrame) -> Judgement:
@@ -163,7 +153,7 @@ PLANE = Item(
     "“Even with large measurement noise, the mean of the values is close to that of the actual stiffness "
     "parameters”: F_o 0.25, b 8; F_o 6, b 0.25 (printed; we take 0.25 and 6); F_o 0.4, b 6. The noise is not given.",
     _PLANE,
-    one_by_one(_draw_plane),
+    one_by_one(lambda rng: _nonlinear(plane_record(), rng)),
     judge_plane,
 )
 FULL = Item(
@@ -174,7 +164,7 @@ FULL = Item(
     f"false indication of a healthy or a sick muscle. {NO_NUMBER}",
     "Six muscles, the left masseter stiff (F_o 3 N, b 12), the others normal (0.4 N, 7); opening to 20° with swings "
     "of 4° to the sides, 20 s; search from the middle of the prior “wide”.",
-    one_by_one(_draw_full),
+    one_by_one(lambda rng: _nonlinear(full_record(), rng)),
     judge_full,
 )
 PHYSICIAN = Item(
@@ -184,7 +174,7 @@ PHYSICIAN = Item(
     "Predicted values with a bound of one sd, and with a confidence radius, show the physician which muscle is stiff. "
     f"{NO_NUMBER}",
     "The same patient and maneuver as for the 12 parameters.",
-    one_by_one(_draw_full),
+    one_by_one(lambda rng: _nonlinear(full_record(), rng)),
     judge_physician,
     same_draws_as="nonlinear_full",
 )

@@ -73,15 +73,12 @@ def hinge_record() -> Record:
     return _of_muscles(known_muscle_sets()["closers"], _logs(((0.9, 7.0),)), motion, free, "healthy")
 
 
-def _full_truth() -> Array:
-    """Twelve parameters: the left masseter stiff, the other five muscles normal."""
-    return _logs((STIFF, *(NORMAL,) * 5))
-
-
 @cache
 def full_record() -> Record:
-    """Six muscles, opening with swings to the side and the condyle led off its natural slide."""
-    return _of_muscles(known_muscle_sets()["whole"], _full_truth(), _full_motion(20.0, True), ALL_FREE, "wide")
+    """Six muscles, the left masseter stiff, opening with swings to the side and the condyle led off its natural slide."""
+    return _of_muscles(
+        known_muscle_sets()["whole"], _logs((STIFF, *(NORMAL,) * 5)), _full_motion(20.0, True), ALL_FREE, "wide"
+    )
 
 
 @cache

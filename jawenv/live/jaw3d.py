@@ -91,7 +91,7 @@ class Jaw3D:
         colours = self.colours(scene)
         for i, handle in enumerate(self._muscles):
             length = float(np.linalg.norm(scene.muscle_insertion_m[i] - scene.muscle_origin_m[i])) * UNITS_PER_M
-            radius = _muscle_radius_mm(float(scene.muscle_tension_N[i])) * _UNITS_PER_MM
+            radius = _UNITS_PER_MM * min(1.2 + 0.9 * float(np.sqrt(scene.muscle_tension_N[i])), 7.0)
             self._set(handle, f"size {i}", "scale", (round(radius, 4), round(radius, 4), round(length, 3)))
             self._set(handle, f"colour {i}", "color", colours[i])
 
@@ -209,11 +209,6 @@ def _spindle() -> Mesh:
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     levels = np.repeat(height[:, None, None], len(angle), axis=1)
     return loft(np.concatenate([radius[:, None, None] * ring, levels], axis=-1))
-
-
-def _muscle_radius_mm(tension_N: float) -> float:
-    """Half the width of a muscle, growing with the root of its tension."""
-    return min(1.2 + 0.9 * float(np.sqrt(tension_N)), 7.0)
 
 
 def _turn_to(direction: Array) -> Array:

@@ -90,7 +90,6 @@ def moved(targets: Array, down: set[str], seconds: float) -> Array:
     return np.clip(after, lowest, HIGHEST)
 
 
-# Names too, for screen readers, the controls that viser draws beside their labels or as icons.
 _SCRIPT = """
 if (!window.jawenvKeys) {
   window.jawenvKeys = true;
@@ -111,16 +110,6 @@ if (!window.jawenvKeys) {
   window.addEventListener('keydown', (event) => on(event, false), true);
   window.addEventListener('keyup', (event) => on(event, true), true);
   window.addEventListener('blur', () => { held.forEach((code) => tell(code, true)); held.clear(); });
-  setInterval(() => {
-    document.querySelectorAll('[role=slider], input.mantine-NumberInput-input, button').forEach((control) => {
-      if (control.getAttribute('aria-label') || control.labels && control.labels.length || control.innerText) return;
-      let place = control;
-      while (place && !/[A-Za-z]/.test(place.innerText)) place = place.parentElement;
-      const button = control.tagName === 'BUTTON';
-      const named = place ? place.innerText.split(String.fromCharCode(10))[0] : 'value';
-      control.setAttribute('aria-label', button ? 'close or menu' : named);
-    });
-  }, 1000);
 }
 """
 
