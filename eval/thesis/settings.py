@@ -75,7 +75,7 @@ def hinge_record() -> Record:
 
 @cache
 def full_record() -> Record:
-    """Six muscles, the left masseter stiff, opening with swings to the side and the condyle led off its natural slide."""
+    """Six muscles, the left masseter stiff; opening, swings to the side, and the condyle led off its natural slide."""
     return _of_muscles(
         known_muscle_sets()["whole"], _logs((STIFF, *(NORMAL,) * 5)), _full_motion(20.0, True), ALL_FREE, "wide"
     )

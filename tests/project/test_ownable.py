@@ -15,13 +15,13 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_545,
-    "lines of everything else": 14_479,
+    "lines that README's commands load": 34_529,
+    "lines of everything else": 14_466,
     "lines that a step loads": 12_621,
     "lines that eval compare loads": 21_928,
-    "lines": 49_024,
+    "lines": 48_995,
     "files": 443,
-    "functions": 2_861,
+    "functions": 2_857,
 }
 STEP = """
 import gymnasium, jawenv
