@@ -1,9 +1,10 @@
 """Agents by the text that a user types: names, files, runs and modules."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from agents.planners import PLANNERS
 from jawenv.base.errors import InputError, not_among
 from jawenv.base.named_objects import is_named
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of
@@ -16,6 +17,16 @@ from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import CARD, WEIGHTS, card_of, policy_folder
 from jawenv.playing.policies.named import agent_names, in_control, named_agent, steps_per_s
 from jawenv.playing.rollout import DEFAULT_ENV
+
+
+def _clairvoyant(*, control: Control) -> Agent:
+    from agents.clairvoyant import Clairvoyant
+
+    return Clairvoyant(control=control)
+
+
+PLANNERS: dict[str, Callable[..., Any]] = {"clairvoyant": _clairvoyant}
+"""Name -> what makes it for a control mode."""
 
 
 def names() -> tuple[str, ...]:
@@ -50,7 +61,8 @@ def load_agent(
     """
     path, model = Path(spec), model_of_env(env_id)
     if str(spec) in PLANNERS:
-        return PLANNERS[str(spec)](control=control)
+        planner: Agent = PLANNERS[str(spec)](control=control)
+        return planner
     named = named_agent(spec, control, control_hz, env_id)
     if named is not None:
         return named

@@ -12,7 +12,7 @@ import eval.commands.app
 import jawenv
 import training.cli
 from agents import load_agent
-from agents.planning import Planner
+from agents.clairvoyant import Clairvoyant
 from eval.kept.entries import Settings
 from eval.studies.design import Design as Study
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
@@ -27,7 +27,7 @@ def test_one_default_for_all() -> None:
     assert gym.make("jawenv/Jaw-v3").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
     assert gym.make_vec("jawenv/Jaw-v3").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
     assert jawenv.Player("hold_still").control == load_agent("hold_still").control == DEFAULT_CONTROL  # type: ignore[attr-defined]
-    assert inspect.signature(Planner).parameters["control"].default == DEFAULT_CONTROL
+    assert inspect.signature(Clairvoyant).parameters["control"].default == DEFAULT_CONTROL
     study = Study(title="T", entries=("hold_still",), patients=1, seed=0)
     assert study.controls == (DEFAULT_CONTROL,)
 

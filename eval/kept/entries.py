@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Self
 
 from agents import registry
-from agents.planners import PLANNERS
 from agents.registry import world_of
 from jawenv.base.errors import InputError, shown
 from jawenv.base.seeds import REPORTS
@@ -148,8 +147,8 @@ def fits(trained_in: Configuration, world: Configuration) -> bool:
 
 def can_play(spec: str, world: Configuration) -> bool:
     """Whether a policy or a planner can be played in a world; of other agents it is not known before."""
-    if spec in PLANNERS:
-        return PLANNERS[spec](control=DEFAULT_CONTROL).plays(world)
+    if spec in registry.PLANNERS:
+        return bool(registry.PLANNERS[spec](control=DEFAULT_CONTROL).plays(world))
     trained_in = world_of(spec)
     return trained_in is None or fits(trained_in, world)
 

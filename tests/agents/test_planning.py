@@ -7,7 +7,7 @@ import pytest
 import agents
 import jawenv
 from agents.clairvoyant import Clairvoyant
-from agents.planners import PLANNERS
+from agents.registry import PLANNERS
 from jawenv.base.errors import InputError
 from jawenv.playing.agents import Agent, Planning
 from tests.recorded import Actions
