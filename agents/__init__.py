@@ -3,8 +3,8 @@
 Outside of the clone's folder another distribution's package of this name comes first; ``PYTHONPATH=CLONE`` mends that.
 """
 
-from agents.registry import load_agent, names
+from agents.registry import load_agent
 from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers import Maneuver
 
-__all__ = ["Agent", "Maneuver", "load_agent", "names"]
+__all__ = ["Agent", "Maneuver", "load_agent"]

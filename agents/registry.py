@@ -29,11 +29,6 @@ PLANNERS: dict[str, Callable[..., Any]] = {"clairvoyant": _clairvoyant}
 """Name -> what makes it for a control mode."""
 
 
-def names() -> tuple[str, ...]:
-    """The maneuvers that come with the project, in alphabetical order."""
-    return maneuver_names()
-
-
 def shipped_names() -> tuple[str, ...]:
     """Every name that `load_agent` knows: maneuvers, policies, excitations and planners of the project."""
     return (*agent_names(), *PLANNERS)
@@ -50,7 +45,7 @@ def load_agent(
     """Find or load an agent.
 
     Args:
-        spec: a hand-made maneuver's name (`names()`), a policy's that comes with the project (`policy_names()`), a
+        spec: a maneuver's name (`maneuver_names()`), a policy's that comes with the project (`policy_names()`), a
             baseline's (`BASELINES`), a planner's (`PLANNERS`), a maneuver file, recorded actions (.safetensors), the
             folder of a training run or an exported policy, a stable-baselines3 checkpoint, or a class or function of
             one's own, as ``package.module:Name``, which gets control and control_hz if its signature takes them.
@@ -108,7 +103,7 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
     For an agent of one's own this is its module, without the module's imports.
     """
     path = Path(spec)
-    if str(spec) in (*BASELINES, *PLANNERS, *names()):
+    if str(spec) in (*BASELINES, *PLANNERS, *maneuver_names()):
         return ()
     if (folder := policy_folder(spec)) is not None:
         return (folder / CARD, folder / WEIGHTS)

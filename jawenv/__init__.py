@@ -12,26 +12,39 @@ from typing import TYPE_CHECKING, Any
 from jawenv.envs.registration import register_environments
 
 if TYPE_CHECKING:
-    from jawenv.analysis.bound import bound_along
-    from jawenv.analysis.identifiability import identifiability
-    from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
-    from jawenv.anatomy.description import Anatomy
-    from jawenv.anatomy.knowledge import Knowledge
-    from jawenv.answers.identify import identify
-    from jawenv.base.errors import InputError
-    from jawenv.device import Device
-    from jawenv.device.comfort_settings import Comfort
-    from jawenv.inference.information_gain import contrastive_bounds
-    from jawenv.inference.likelihood import fisher_information, log_likelihood
-    from jawenv.inference.patient_law import PatientLaw
-    from jawenv.inference.simulations import Simulations, simulate
-    from jawenv.inference.treatable import treatable
-    from jawenv.mechanics.acceleration import acceleration
-    from jawenv.mechanics.plant import Motion, PatientJaw, Plant
-    from jawenv.metrics.score import score
-    from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
-    from jawenv.playing.rollout import information_bound, play
-    from jawenv.recordings.online import OnlineFilter
+    from jawenv.analysis.bound import bound_along as bound_along
+    from jawenv.analysis.identifiability import identifiability as identifiability
+    from jawenv.anatomy import COHORTS as COHORTS
+    from jawenv.anatomy import MUSCLE_NAMES as MUSCLE_NAMES
+    from jawenv.anatomy import PARAMETER_NAMES as PARAMETER_NAMES
+    from jawenv.anatomy import Cohort as Cohort
+    from jawenv.anatomy import Patient as Patient
+    from jawenv.anatomy import cohort as cohort
+    from jawenv.anatomy.description import Anatomy as Anatomy
+    from jawenv.anatomy.knowledge import Knowledge as Knowledge
+    from jawenv.answers.identify import identify as identify
+    from jawenv.base.errors import InputError as InputError
+    from jawenv.device import Device as Device
+    from jawenv.device.comfort_settings import Comfort as Comfort
+    from jawenv.inference.information_gain import contrastive_bounds as contrastive_bounds
+    from jawenv.inference.likelihood import fisher_information as fisher_information
+    from jawenv.inference.likelihood import log_likelihood as log_likelihood
+    from jawenv.inference.patient_law import PatientLaw as PatientLaw
+    from jawenv.inference.simulations import Simulations as Simulations
+    from jawenv.inference.simulations import simulate as simulate
+    from jawenv.inference.treatable import treatable as treatable
+    from jawenv.mechanics.acceleration import acceleration as acceleration
+    from jawenv.mechanics.plant import Motion as Motion
+    from jawenv.mechanics.plant import PatientJaw as PatientJaw
+    from jawenv.mechanics.plant import Plant as Plant
+    from jawenv.metrics.comparison import compare as compare
+    from jawenv.metrics.score import score as score
+    from jawenv.playing.maneuvers import Maneuver as Maneuver
+    from jawenv.playing.maneuvers import Player as Player
+    from jawenv.playing.maneuvers import maneuver_names as maneuver_names
+    from jawenv.playing.rollout import information_bound as information_bound
+    from jawenv.playing.rollout import play as play
+    from jawenv.recordings.online import OnlineFilter as OnlineFilter
 
 _HOMES = {
     "Anatomy": "jawenv.anatomy.description",
@@ -54,6 +67,7 @@ _HOMES = {
     "acceleration": "jawenv.mechanics.acceleration",
     "bound_along": "jawenv.analysis.bound",
     "cohort": "jawenv.anatomy",
+    "compare": "jawenv.metrics.comparison",
     "contrastive_bounds": "jawenv.inference.information_gain",
     "fisher_information": "jawenv.inference.likelihood",
     "identifiability": "jawenv.analysis.identifiability",
@@ -73,40 +87,7 @@ try:
 except PackageNotFoundError:  # run from a checkout that was never installed
     __version__ = "0+unknown"
 
-__all__ = [
-    "COHORTS",
-    "MUSCLE_NAMES",
-    "PARAMETER_NAMES",
-    "Anatomy",
-    "Cohort",
-    "Comfort",
-    "Device",
-    "InputError",
-    "Knowledge",
-    "Maneuver",
-    "Motion",
-    "OnlineFilter",
-    "Patient",
-    "PatientJaw",
-    "PatientLaw",
-    "Plant",
-    "Player",
-    "Simulations",
-    "acceleration",
-    "bound_along",
-    "cohort",
-    "contrastive_bounds",
-    "fisher_information",
-    "identifiability",
-    "identify",
-    "information_bound",
-    "log_likelihood",
-    "maneuver_names",
-    "play",
-    "score",
-    "simulate",
-    "treatable",
-]
+__all__ = [*_HOMES]
 
 register_environments()
 

@@ -8,8 +8,7 @@ from functools import partial
 
 from eval.kept.cells import Cell
 from eval.kept.entries import Settings, load_entries, load_entry
-from eval.rows.beliefs import LATE, Beliefs
-from eval.rows.filters import filters_named
+from eval.rows.beliefs import LATE, Beliefs, filters_named
 from jawenv.base.errors import InputError
 from jawenv.controls import mode_of
 
@@ -23,7 +22,7 @@ def cells_of(
 
     Args:
         specs: maneuvers, files, runs, exported policies or agents of one's own.
-        filters: names, see `eval.rows.filters`.
+        filters: names, see `eval.rows.beliefs`.
         times: s, growing, at which beliefs are judged.
         settings: patients, environment and effects; its ``episode_s`` is the last of the times.
         trust: whether stable-baselines3 checkpoints may be unpickled.

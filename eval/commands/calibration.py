@@ -23,8 +23,8 @@ def _calibrate_command(
     filters: Annotated[
         str,
         typer.Option(
-            help="tension (the environment's own), ekf-decaying, ekf-constant, ekf-none, ekf-linear, ekf-filterpy, "
-            "ukf (slow); separated by commas.",
+            help="tension (the environment's own), ekf-decaying, ekf-constant, ekf-none, ekf-linear; separated by "
+            "commas.",
             metavar="NAME,...",
         ),
     ] = "tension",

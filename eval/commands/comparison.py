@@ -53,10 +53,11 @@ def _compare_command(
     from eval.comparison.admission import AdmissionLimits
     from eval.comparison.motion import play_patient
     from eval.comparison.results import compare
-    from eval.kept.entries import Settings, env_of_runs, load_entries, maneuver_names
+    from eval.kept.entries import Settings, env_of_runs, load_entries
+    from jawenv.playing.maneuvers import maneuver_names
 
     admission, output = AdmissionLimits(ranked.largest_discomfort_s, ranked.largest_violation), played.output
-    specs = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
+    specs = [*(entries or []), *((*maneuver_names(), "random") if all_maneuvers else [])]
     settings = Settings.of(played.patients, played.seed, **{"env": env_of_runs(specs)} | world)
     loaded = load_entries(specs, settings.world, trust=played.trust)
     if ranked.reference is not None and ranked.reference not in [entry.label for entry in loaded]:

@@ -42,7 +42,7 @@ def play_patient(
         trust: see ``load_entries``.
         own_modules: whether entries that are modules may be run, since the user has named them.
     """
-    settings = Settings.from_mapping(study.about["settings"])
+    settings = Settings.of(**study.about["settings"])
     seed = settings.seed if seed is None else seed
     if seed not in settings.seeds:
         last = settings.seeds[-1]

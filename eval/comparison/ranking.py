@@ -17,9 +17,8 @@ from eval.figures.catalogue import FIGURES, Figure, above_limit, gained, reaches
 from eval.figures.statistics import Interval
 from jawenv.base.errors import InputError
 from jawenv.metrics import nees_band
+from jawenv.metrics.score import KNOWN as KNOWN
 
-KNOWN = 0.05
-"""All parameters are known when the worst sd is at most this."""
 SOON = time_to(KNOWN)
 """Name of the figure by which entries are ranked."""
 N_LETTERS = 26

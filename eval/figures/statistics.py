@@ -6,77 +6,20 @@ for quantiles, whose acceleration a jackknife cannot estimate (Efron & Tibshiran
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.stats import binomtest, bootstrap, t
 
-Array = npt.NDArray[np.float64]
-RESAMPLES = 2000
-CONFIDENCE = 0.95
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A figure over patients with the ends of its 95 % confidence interval (NaN where there is none)."""
-
-    value: float
-    low: float
-    high: float
-
-    @property
-    def known(self) -> bool:
-        """Whether there is an interval: it takes two patients."""
-        return not (np.isnan(self.low) or np.isnan(self.high))
-
-    @classmethod
-    def of(cls, row: Any, name: str) -> Interval:
-        """The interval in a row's columns of `columns`."""
-        return cls(row[name], row[f"{name}_low"], row[f"{name}_high"])
-
-    def columns(self, name: str) -> dict[str, float]:
-        """Columns of a table: ``name``, and the ends with ``_low`` and ``_high`` behind it."""
-        return {name: self.value, f"{name}_low": self.low, f"{name}_high": self.high}
-
-
-UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
-
-
-def _over_patients(statistic: Callable[[Array], Array], values: Array, method: str) -> Interval:
-    """Bootstrap a statistic of the rows of `values`; `statistic` reduces axis -2 of (..., N, columns)."""
-    estimate = float(statistic(values[None])[0])
-    if len(values) < 2 or not np.isfinite(estimate):
-        return Interval(estimate, float("nan"), float("nan"))
-    if np.all(values == values[0]):
-        return Interval(estimate, estimate, estimate)
-
-    def of_rows(rows: Array, axis: int = -1) -> Array:
-        return statistic(values[rows.astype(np.intp)])
-
-    ends = bootstrap(
-        (np.arange(len(values)),),
-        of_rows,
-        n_resamples=RESAMPLES,
-        batch=max(1, 4_000_000 // values.size),
-        confidence_level=CONFIDENCE,
-        method=method,
-        rng=np.random.default_rng(0),
-    ).confidence_interval
-    return Interval(estimate, float(ends.low), float(ends.high))
-
-
-def mean(values: Array) -> Interval:
-    """Mean over patients.
-
-    Args:
-        values: (N,) one per patient.
-    """
-    column = np.asarray(values, dtype=np.float64)[:, None]
-    return _over_patients(lambda x: x[..., 0].mean(axis=-1), column, "BCa")
+from jawenv.metrics.intervals import CONFIDENCE as CONFIDENCE
+from jawenv.metrics.intervals import RESAMPLES as RESAMPLES
+from jawenv.metrics.intervals import UNKNOWN as UNKNOWN
+from jawenv.metrics.intervals import Array as Array
+from jawenv.metrics.intervals import Interval as Interval
+from jawenv.metrics.intervals import mean as mean
+from jawenv.metrics.intervals import over_patients
 
 
 def mean_over_both(values: Array) -> Interval:
@@ -164,7 +107,7 @@ def quantile(values: Array, share: float) -> Interval:
         quantiles: Array = np.quantile(x[..., 0], share, axis=-1, method="inverted_cdf")
         return quantiles
 
-    estimate = _over_patients(statistic, ranked[:, None], "percentile")
+    estimate = over_patients(statistic, ranked[:, None], "percentile")
     return Interval(*(np.inf if end > largest else end for end in (estimate.value, estimate.low, estimate.high)))
 
 
@@ -182,7 +125,7 @@ def rmse_over_bound(error: Array, bound_sd: Array) -> Interval:
         ratio: Array = np.sqrt(squares[..., :size] / squares[..., size:]).mean(axis=-1)
         return ratio
 
-    return _over_patients(statistic, np.hstack([error, bound_sd]), "BCa")
+    return over_patients(statistic, np.hstack([error, bound_sd]), "BCa")
 
 
 def share(hits: Sequence[bool] | npt.NDArray[np.bool_]) -> Interval:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Self
 
@@ -14,14 +14,13 @@ from jawenv.controls import DEFAULT_CONTROL
 from jawenv.envs.configuration import Configuration
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS
 from jawenv.playing.agents import Agent
+from jawenv.playing.policies.card import OF_TRAINING
 from jawenv.playing.recording import Recording
 from jawenv.playing.rollout import LARGEST_SEED, OnStep, play
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
 
-_OWN_OF_A_RUN = ("control", "sensors", "control_hz")
-"""Settings that a trained run keeps from its training."""
 _NAMED_IN_NOTES = ("cohort", "episode_s", "force_sensor")
 """Arguments with the training's value in a note; for others the note only says that they differ."""
 _LEARNING = ("reward", "comfort_weight", "track_bound", "record", "model", "estimator")
@@ -49,11 +48,6 @@ class Settings:
     def of(cls, patients: int = 64, seed: int = REPORTS[0].start, **world: Any) -> Self:
         """Settings of ``env`` and arguments, as `Configuration.from_mapping` takes them."""
         return cls(Configuration.from_mapping(world), patients, seed)
-
-    @classmethod
-    def from_mapping(cls, mapping: Mapping[str, Any]) -> Self:
-        """Settings from a mapping of ``to_mapping``."""
-        return cls.of(**mapping)
 
     def to_mapping(self) -> dict[str, Any]:
         """All in plain values, as results keep it."""
@@ -128,11 +122,6 @@ class Entry:
         return own | {"env_id": self.env_id, "env_kwargs": self.env_kwargs}
 
 
-def maneuver_names() -> tuple[str, ...]:
-    """Every hand-made maneuver of the project, and the random policy as the floor."""
-    return (*registry.names(), "random")
-
-
 def env_of_runs(specs: Iterable[str]) -> str:
     """Id of the environment that the first trained run of some entries was trained in; the default if there is none."""
     trained_in = (world_of(spec) for spec in specs)
@@ -205,10 +194,10 @@ def _of_a_run(spec: str, trained: Configuration, asked: Configuration) -> tuple[
     # Arguments implied by an id need no note: the id names them.
     named = {*trained.arguments, *asked.arguments}
     other = [name for name in asked.differences(trained) if name not in _LEARNING and name in named | {"control_hz"}]
-    own = {name: getattr(trained, name) for name in _OWN_OF_A_RUN if name in other}
+    own = {name: getattr(trained, name) for name in OF_TRAINING if name in other}
     notes = [f"played with {name} {value}" for name, value in own.items()]
     notes += [f"trained with {name} {_shown(trained, name)}" for name in _NAMED_IN_NOTES if name in other]
-    notes += [f"trained with another {name}" for name in other if name not in (*_OWN_OF_A_RUN, *_NAMED_IN_NOTES)]
+    notes += [f"trained with another {name}" for name in other if name not in (*OF_TRAINING, *_NAMED_IN_NOTES)]
     notes += [] if trained.env_id == asked.env_id else [f"trained in {trained.env_id}"]
     return replace(asked, **own), notes
 

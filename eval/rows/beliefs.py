@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -12,13 +14,13 @@ from scoringrules import es_ensemble
 
 from eval.kept.cells import Rows
 from eval.kept.entries import Entry
-from eval.rows import filters, nuisances
-from eval.rows.filters import OTHERS, TENSION
+from eval.rows import nuisances
 from eval.rows.nuisances import NuisanceBeliefs
 from jawenv.base.errors import InputError
 from jawenv.metrics import claimed_information, covered, nees, true_information
 from jawenv.playing.recording import Recording
-from jawenv.recordings.estimate import Estimate
+from jawenv.recordings.estimate import Estimate, Estimator
+from jawenv.references.extended_kalman import ExtendedKalman
 
 Array = NDArray[np.float64]
 
@@ -26,6 +28,28 @@ JUDGED, ENDED, DIVERGED = "judged", "ended", "diverged"
 SIGMAS = (1, 2, 3)
 DRAWS = 2000  # of a belief, for its energy score: by chance off by 1 % of the sds
 LATE = 1e-6  # s; by how much a kept time may miss the wanted one
+TENSION = "tension"
+"""The environment's own filter: its belief stands in the recording and is not computed again."""
+THESIS_RATE = 0.01  # relative, per square root of a second: the constant noise of Young (2016)
+
+OTHERS: Mapping[str, Callable[[int], Estimator]] = MappingProxyType(
+    {
+        "ekf-decaying": lambda every: ExtendedKalman("log", every=every),
+        "ekf-constant": lambda every: ExtendedKalman("log", THESIS_RATE, math.inf, every),
+        "ekf-none": lambda every: ExtendedKalman("log", 0.0, every=every),
+        "ekf-linear": lambda every: ExtendedKalman("linear", THESIS_RATE, math.inf, every),
+    }
+)
+"""Filters to calibrate by their names on the command line: made from the ticks between the kept beliefs."""
+
+
+def filters_named(names: Sequence[str]) -> tuple[str, ...]:
+    """The same names, each once."""
+    allowed = (TENSION, *OTHERS)
+    for name in names or ("",):
+        if name not in allowed:
+            raise InputError(f"filters is {name!r}; allowed: {', '.join(allowed)}")
+    return tuple(dict.fromkeys(names))
 
 
 @dataclass(frozen=True)
@@ -33,8 +57,8 @@ class Beliefs(Rows):
     """Belief of a filter, with its nuisances where it is the environment's own and has some."""
 
     columns = ("time_s", "seed", "outcome")
-    made_by = (filters, nuisances)
-    filter: str  # name, see ``eval.rows.filters``
+    made_by = (nuisances,)
+    filter: str  # name, `TENSION` or one of `OTHERS`
     times: tuple[float, ...]  # s, growing, each a time of the control steps
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
@@ -55,7 +79,7 @@ def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) 
 
     Args:
         recording: of N worlds, with their records unless the filter is the environment's own.
-        name: of the filter, see ``eval.rows.filters``.
+        name: of the filter, `TENSION` or one of `OTHERS`.
         times: s, growing, each a time of the recording's control steps.
         seed: of the first patient.
     """

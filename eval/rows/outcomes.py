@@ -29,6 +29,7 @@ from jawenv.metrics import (
     worst_sd,
 )
 from jawenv.metrics.precision import for_good
+from jawenv.metrics.score import KNOWN
 from jawenv.metrics.standing import standing
 from jawenv.playing.recording import Recording
 
@@ -56,7 +57,6 @@ PATIENT_METRICS = (
 )
 OVER_TIME = "over_time/"
 MOMENTS = 60
-KNOWN = 0.05
 _MEANS = ("nees", "information_claimed", "information_true")
 NEES_QUANTILES = {"nees_median": 0.5, "nees_p90": 0.9}
 

@@ -7,23 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.base.errors import not_among
 from jawenv.envs.configuration import Configuration
 from jawenv.metrics import score
-from jawenv.playing.agents import Agent
-from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import policy_folder, read_card
-from jawenv.playing.policies.named import agent_names, named_agent
+from jawenv.playing.policies.named import agent_of
 from jawenv.playing.rollout import play
-
-
-def _agent_of(spec: str, world: Configuration) -> Agent:
-    """The agent of a name, a maneuver file or a policy's folder, for a world."""
-    agent = named_agent(spec, world.control, world.control_hz, world.env_id)
-    if agent is None:
-        files = f", a maneuver file ({', '.join(SUFFIXES)}) or a policy's folder"
-        raise not_among("agent", spec, agent_names(), files)
-    return agent
 
 
 def world_for(spec: str, asked: Mapping[str, Any]) -> Configuration:
@@ -41,7 +29,8 @@ def world_for(spec: str, asked: Mapping[str, Any]) -> Configuration:
 
 def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -> None:
     """Play an agent on patients, and print what it found out."""
-    player, env_id = _agent_of(maneuver, world), world.env_id
+    env_id = world.env_id
+    player = agent_of(maneuver, world.control, world.control_hz, env_id)
     reached = score(play(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
     medians = (np.median(values, axis=0) for values in (reached.sd, np.abs(reached.error), reached.bound_sd))
     cohort = world.build_cohort().name

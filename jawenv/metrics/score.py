@@ -18,8 +18,8 @@ Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 TARGETS = (0.10, 0.05, 0.02)
-IDENTIFIED_SD = 0.10
-"""Largest sd of an identified parameter."""
+IDENTIFIED_SD, KNOWN = 0.10, 0.05
+"""Largest sd of an identified parameter, and of one that is known."""
 _ROWS = {
     "patients": ("patients", "{:.0f}"),
     "worst_sd_median": ("worst sd, median", "{:.1%}"),
@@ -92,6 +92,9 @@ class Score:
     duration_s: Array  # (N,) length of the episode
     stiff: Diagnosis  # decisions on raised F_o
     blocked: Diagnosis  # decisions on raised b
+
+    def _repr_html_(self) -> str:
+        return self.summary()._repr_html_()
 
     @property
     def honesty_gap(self) -> Array:

@@ -1,38 +1,139 @@
-"""filterpy's extended and unscented Kalman filters on the same model: independent implementations as references.
+"""filterpy's extended Kalman filter on the same model: an independent implementation as a reference.
 
-The extended filter has the model of ``numpy_model`` where the jaw is a midline one. It then shares nothing compiled
-with ``ExtendedKalman``; equal results verify model, derivative and filter. The unscented filter has no compiled
-counterpart and moves its sigma points by the kernels.
+It has the model of ``numpy_model`` where the jaw is a midline one. It then shares nothing compiled with
+``ExtendedKalman``; equal results verify model, derivative and filter.
 
-Both have the state of ``joint_recursion``: motion, natural-log parameters, gain error of the load cell. The noise of
-the motion is G W G^T, with the wrench's variance W and its effect G taken at the mean. The gain error is a considered
-parameter (Schmidt 1966): after the optimal update its mean and variance are restored. Its cross-covariance and all
-other means and covariances are the same in both filters.
+The state is that of ``joint_recursion``: motion, natural-log parameters, gain error of the load cell. The noise of the
+motion is G W G^T, with the wrench's variance W and its effect G taken at the mean. The gain error is a considered
+parameter (Schmidt 1966): after the optimal update its mean and variance are restored.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.base.errors import InputError
 from jawenv.base.extras import needs
-from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
+from jawenv.filter.model.joint_step import N_NOISE, propagate, set_muscles
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.newton_euler import measurement
 from jawenv.recordings.estimate import Estimate
 from jawenv.recordings.record import Record
-from jawenv.references.filterpy_models import CompiledModel, MotionModel, NumpyModel
-from jawenv.references.initial import check_every, check_noise, initial_belief, output_ticks
+from jawenv.references import initial
+from jawenv.references.numpy_model import measurement_with_derivative, step_with_derivative
 
 with needs("a reference filter", "filterpy", "reference"):
-    from filterpy.kalman import ExtendedKalmanFilter, MerweScaledSigmaPoints, UnscentedKalmanFilter
+    from filterpy.kalman import ExtendedKalmanFilter
+
 
 Array = NDArray[np.float64]
 
-# Of the scaled unscented transform. With 23 states and alpha 1 a point lies 4.8 sds out, where a b of sd 0.5 is eleven
-# times too large; 0.1 puts it at half an sd. beta 2 is for normal distributions (Wan & van der Merwe 2000).
-ALPHA, BETA, KAPPA = 0.1, 2.0, 0.0
+
+class MotionModel(ABC):
+    """The model of one record: s = n + p + 1 states, of motion, natural-log parameters, and the load cell's gain error.
+
+    Args:
+        record: T ticks.
+        parameter_rate: noise of the parameters, as in ``ExtendedKalman``.
+        parameter_time: likewise, s.
+    """
+
+    def __init__(self, record: Record, parameter_rate: float, parameter_time: float) -> None:
+        self.record = record
+        self.n, self.size = len(record.start_mean), len(record.start_mean) + len(record.prior.mean) + 1
+        self.noise = initial.parameter_noise(record, parameter_rate, parameter_time)
+        self.trends = initial.trends(record)
+        self.fast = initial.mean_readings(record) - self.trends
+        self.variances = record.measurement_sd**2
+        self.tick = 0
+        self.total = np.zeros((self.n, self.size + N_NOISE))  # derivative of the last motion
+
+    @abstractmethod
+    def moved(self, x: Array) -> Array:
+        """The state (s,) a tick after x; its derivative by x and by the wrench not known is left in ``total``."""
+
+    @abstractmethod
+    def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
+        """The readings to measure of x, where ``read`` (12,) is True."""
+
+    @abstractmethod
+    def rows_by_motion(self, x: Array) -> Array:
+        """Derivative (12, n) of all readings by the motion."""
+
+    def rows(self, x: Array, read: NDArray[np.bool_]) -> Array:
+        """Derivative of ``expected`` by x."""
+        H = np.zeros((N_MEASUREMENTS, self.size))
+        H[:, : self.n] = self.rows_by_motion(x)
+        return H[read]
+
+    def transition(self) -> Array:
+        """F (s, s) of the last motion."""
+        F = np.eye(self.size)
+        F[: self.n] = self.total[:, :-N_NOISE]
+        return F
+
+    def process_noise(self, gain_variance: float) -> Array:
+        """Q (s, s) of the last motion."""
+        record, G = self.record, self.total[:, -N_NOISE:]
+        variance = record.noise_variance
+        variance[:N_WRENCH] += gain_variance * self.fast[self.tick] ** 2
+        Q = np.diag(np.concatenate([np.zeros(self.n), np.full(len(record.prior.mean), self.noise[self.tick]), [0.0]]))
+        Q[: self.n, : self.n] = (G * variance) @ G.T
+        return Q
+
+    def read(self, k: int) -> NDArray[np.bool_]:
+        """(12,) which readings there are at time k."""
+        read: NDArray[np.bool_] = np.isfinite(self.record.measured[k])
+        return read
+
+
+class CompiledModel(MotionModel):
+    """The kernels that ``ExtendedKalman`` runs, for any jaw."""
+
+    def __init__(self, record: Record, parameter_rate: float, parameter_time: float) -> None:
+        super().__init__(record, parameter_rate, parameter_time)
+        self.scratch = initial.working_memory(record)
+        self.total = self.scratch["total"]
+
+    def moved(self, x: Array) -> Array:
+        """The state (s,) a tick after x, by the compiled ``propagate``."""
+        record, moved = self.record, x.copy()
+        set_muscles(record.jaw, x, self.n, self.scratch["muscles"])
+        samples, trend = record.samples[self.tick], self.trends[self.tick]
+        propagate(record.jaw, self.scratch["muscles"], moved[: self.n], samples, trend, x[-1], record.dt, self.scratch)
+        return moved
+
+    def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
+        """The readings to measure of x, where ``read`` (12,) is True, by the compiled ``measure``."""
+        measure(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
+        return self.scratch["expected"][read].copy()  # type: ignore[no-any-return]
+
+    def rows_by_motion(self, x: Array) -> Array:
+        """Derivative (12, n) of all readings by the motion, by the compiled ``measure``."""
+        measure(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
+        return self.scratch["rows"]  # type: ignore[no-any-return]
+
+
+class NumpyModel(MotionModel):
+    """The independent model of ``numpy_model``, for midline jaws: no compiled code, derivatives by complex step."""
+
+    def moved(self, x: Array) -> Array:
+        """The state (s,) a tick after x, by ``step_with_derivative``."""
+        record, tick = self.record, self.tick
+        motion, self.total = step_with_derivative(record.jaw, x, record.samples[tick], self.trends[tick], record.dt)
+        return np.concatenate([motion, x[self.n :]])
+
+    def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
+        """The readings to measure of x, where ``read`` (12,) is True, by ``measurement``."""
+        return measurement(self.record.jaw, x[: self.n])[read]
+
+    def rows_by_motion(self, x: Array) -> Array:
+        """Derivative (12, n) of all readings by the motion, by ``measurement_with_derivative``."""
+        return measurement_with_derivative(self.record.jaw, x[: self.n])[1]
 
 
 class _Extended(ExtendedKalmanFilter):  # type: ignore[misc]
@@ -41,7 +142,7 @@ class _Extended(ExtendedKalmanFilter):  # type: ignore[misc]
     def __init__(self, model: MotionModel) -> None:
         super().__init__(dim_x=model.size, dim_z=N_MEASUREMENTS)
         self.model = model
-        self.x, self.P = initial_belief(model.record)
+        self.x, self.P = initial.initial_belief(model.record)
 
     def predict_x(self, u: Any = 0) -> None:
         """Move the mean; filterpy takes F and Q afterwards."""
@@ -55,68 +156,6 @@ class _Extended(ExtendedKalmanFilter):  # type: ignore[misc]
         self.update(
             self.model.record.measured[k, read], self.model.rows, self.model.expected, R, args=(read,), hx_args=(read,)
         )
-
-
-class _Unscented(UnscentedKalmanFilter):  # type: ignore[misc]
-    """filterpy's filter with a model's motion."""
-
-    def __init__(self, model: MotionModel, alpha: float) -> None:
-        points = MerweScaledSigmaPoints(model.size, alpha, BETA, KAPPA, sqrt_method=_symmetric_root)
-        super().__init__(
-            model.size, N_MEASUREMENTS, model.record.dt, model.expected, lambda x, _: model.moved(x), points
-        )
-        self.model = model
-        self.x, self.P = initial_belief(model.record)
-        self.sigmas_f = points.sigma_points(self.x, self.P)
-
-    def predict(self, **_: Any) -> None:
-        """Predict with the process noise at the mean."""
-        self.model.moved(self.x)
-        self.Q = self.model.process_noise(self.P[-1, -1])
-        super().predict()
-
-    def take(self, k: int) -> None:
-        """Update with the readings at time k."""
-        read = self.model.read(k)
-        R = np.diag(self.model.variances[read])
-        self.update(self.model.record.measured[k, read], R, read=read)
-        self.P = 0.5 * (self.P + self.P.T)
-
-
-def _symmetric_root(P: Array) -> Array:
-    """U with U^T U = P, by the eigenvectors of the correlations; what is negative of them by rounding counts as zero.
-
-    A Cholesky factor does not exist where a coordinate is held or the gain error known, and fails where rounding makes
-    a correlation reach one.
-    """
-    sd = np.sqrt(np.diag(P))
-    scale = np.where(sd > 0.0, sd, 1.0)
-    values, vectors = np.linalg.eigh(P / np.outer(scale, scale))
-    root: Array = (vectors * np.sqrt(np.maximum(values, 0.0))).T * sd
-    return root
-
-
-def _run(name: str, kalman: Any, model: MotionModel, every: int) -> Estimate:
-    """Filter a record, the gain error considered; what follows a divergence is NaN."""
-    record, parameters = model.record, slice(model.n, model.size - 1)
-    ticks = output_ticks(record, every)
-    count = len(record.prior.mean)
-    means, covs = np.full((len(ticks), count), np.nan), np.full((len(ticks), count, count), np.nan)
-    row = 0
-    for k in range(len(record.time)):
-        if k > 0:
-            model.tick = k - 1
-            kalman.predict()
-        if model.read(k).any():
-            considered = kalman.x[-1], kalman.P[-1, -1]
-            kalman.take(k)
-            kalman.x[-1], kalman.P[-1, -1] = considered
-        if not (np.isfinite(kalman.x).all() and np.isfinite(kalman.P).all()):
-            break
-        if ticks[row] == k:
-            means[row], covs[row] = kalman.x[parameters], kalman.P[parameters, parameters]
-            row += 1
-    return Estimate(name, record.time[ticks], means, covs)
 
 
 class FilterpyExtendedKalman:
@@ -142,41 +181,28 @@ class FilterpyExtendedKalman:
         *,
         compiled_model: bool = False,
     ) -> None:
-        check_noise("FilterpyExtendedKalman", parameter_rate, parameter_time)
-        check_every("FilterpyExtendedKalman", every)
+        initial.check_noise("FilterpyExtendedKalman", parameter_rate, parameter_time)
+        initial.check_every("FilterpyExtendedKalman", every)
         self.parameter_rate, self.parameter_time, self.every = parameter_rate, parameter_time, every
         self.compiled_model = compiled_model
 
     def estimate(self, record: Record) -> Estimate:
-        """The belief at every ``every``-th tick."""
-        kind: type[MotionModel] = CompiledModel if self.compiled_model else NumpyModel
-        model = kind(record, self.parameter_rate, self.parameter_time)
-        return _run(self.name, _Extended(model), model, self.every)
-
-
-class FilterpyUnscentedKalman:
-    """filterpy's ``UnscentedKalmanFilter`` with the scaled sigma points of van der Merwe.
-
-    Args:
-        parameter_rate: as in ``ExtendedKalman``.
-        parameter_time: likewise, s.
-        every: ticks between the kept estimates; the last is always kept.
-        alpha: spread of the sigma points, in (0, 1].
-    """
-
-    name = "unscented Kalman, filterpy"
-
-    def __init__(
-        self, parameter_rate: float = 0.03, parameter_time: float = 5.0, every: int = 5, alpha: float = ALPHA
-    ) -> None:
-        check_noise("FilterpyUnscentedKalman", parameter_rate, parameter_time)
-        check_every("FilterpyUnscentedKalman", every)
-        if not 0.0 < alpha <= 1.0:
-            raise InputError(f"FilterpyUnscentedKalman: alpha is {alpha!r}; allowed: numbers in (0, 1]")
-        self.parameter_rate, self.parameter_time, self.every = parameter_rate, parameter_time, every
-        self.alpha = alpha
-
-    def estimate(self, record: Record) -> Estimate:
-        """The belief at every ``every``-th tick."""
-        model = CompiledModel(record, self.parameter_rate, self.parameter_time)
-        return _run(self.name, _Unscented(model, self.alpha), model, self.every)
+        """The belief at every ``every``-th tick, the gain error considered; what follows a divergence is NaN."""
+        model = (CompiledModel if self.compiled_model else NumpyModel)(record, self.parameter_rate, self.parameter_time)
+        kalman, parameters, count = _Extended(model), slice(model.n, model.size - 1), len(record.prior.mean)
+        ticks, row = initial.output_ticks(record, self.every), 0
+        means, covs = np.full((len(ticks), count), np.nan), np.full((len(ticks), count, count), np.nan)
+        for k in range(len(record.time)):
+            if k > 0:
+                model.tick = k - 1
+                kalman.predict()
+            if model.read(k).any():
+                considered = kalman.x[-1], kalman.P[-1, -1]
+                kalman.take(k)
+                kalman.x[-1], kalman.P[-1, -1] = considered
+            if not (np.isfinite(kalman.x).all() and np.isfinite(kalman.P).all()):
+                break
+            if ticks[row] == k:
+                means[row], covs[row] = kalman.x[parameters], kalman.P[parameters, parameters]
+                row += 1
+        return Estimate(self.name, record.time[ticks], means, covs)

@@ -5,13 +5,14 @@ from pathlib import Path
 import pytest
 
 import agents
+import jawenv
 from jawenv.base.errors import InputError
 from jawenv.playing.agents import Agent
 from jawenv.playing.excitation import Excitation
 from jawenv.playing.maneuvers.maneuver import Player
 
 
-@pytest.mark.parametrize("name", [*agents.names(), "random"])
+@pytest.mark.parametrize("name", [*jawenv.maneuver_names(), "random"])
 def test_every_name_gives_an_agent_of_that_name(name: str) -> None:
     agent = agents.load_agent(name, control="trajectory", control_hz=10.0)
     assert isinstance(agent, Agent) and agent.name == name

@@ -8,7 +8,7 @@ import pytest
 from recorded import held, recording
 
 from jawenv.references.extended_kalman import ExtendedKalman
-from jawenv.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman, _symmetric_root
+from jawenv.references.filterpy_filters import FilterpyExtendedKalman
 from jawenv.references.initial import parameter_noise
 
 
@@ -102,27 +102,3 @@ def test_every_chooses_the_times_and_not_the_numbers(record):
     np.testing.assert_allclose(seventh.time, [0.0, 0.07, 0.14, 0.21, 0.23], atol=1e-12)
     np.testing.assert_array_equal(seventh.mean, each.mean[[0, 7, 14, 21, 23]])
     np.testing.assert_array_equal(seventh.cov, each.cov[[0, 7, 14, 21, 23]])
-
-
-def test_the_unscented_filter_becomes_the_extended_one_where_all_is_nearly_linear(record):
-    """Parameters known to 1e-3: what remains nonlinear is the motion within its sd."""
-    short = record.until(0.5)
-    certain = replace(short, prior=replace(record.prior, mean=record.truth, sd=np.full(12, 1e-3)))
-    extended = ExtendedKalman(parameter_rate=1e-4).estimate(certain)
-    assert_same(FilterpyUnscentedKalman(parameter_rate=1e-4).estimate(certain), extended, 5e-2)
-
-
-def test_the_unscented_filter_on_an_uncertain_patient(record):
-    """The sigma points see the curvature: near the extended filter, not equal to it, and a covariance all the way."""
-    short = record.until(1.0)
-    unscented, extended = FilterpyUnscentedKalman().estimate(short), ExtendedKalman().estimate(short)
-    assert np.linalg.eigvalsh(unscented.cov).min() > 0.0
-    apart = np.abs(unscented.mean[-1] - extended.mean[-1]) / extended.sd[-1]
-    assert 1e-3 < apart.max() < 3.0
-
-
-def test_the_symmetric_root(rng):
-    factor = rng.normal(size=(5, 3)) * np.array([1e-6, 1.0, 0.0, 1e3, 1.0])[:, None]
-    P = factor @ factor.T
-    U, scale = _symmetric_root(P), np.array([1e-6, 1.0, 1.0, 1e3, 1.0])
-    np.testing.assert_allclose((U.T @ U) / np.outer(scale, scale), P / np.outer(scale, scale), atol=1e-12)

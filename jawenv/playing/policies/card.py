@@ -25,6 +25,8 @@ from jawenv.playing.maneuvers import Maneuver
 
 FORMAT_VERSION: Final = 1
 CARD, WEIGHTS = "card.json", "policy.safetensors"
+OF_TRAINING = ("control", "sensors", "control_hz")
+"""Arguments of the environment that a policy keeps from its training, wherever it is played."""
 
 Text = Annotated[str, Field(min_length=1)]
 Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jawenv.base.errors import InputError
+from jawenv.base.errors import InputError, not_among
 from jawenv.controls import CONTROLS, Control, control_of
 from jawenv.ladder import DEFAULT_ENV, model_of_env
 from jawenv.playing.agents import Agent
@@ -42,6 +42,15 @@ def named_agent(
     if Path(spec).suffix in SUFFIXES:
         return Player(Maneuver.load(Path(spec)), control=control, control_hz=control_hz)
     return None
+
+
+def agent_of(spec: str | Path, control: Control, control_hz: float | None, env_id: str) -> Agent:
+    """As `named_agent`; a text that stands for no agent is refused."""
+    agent = named_agent(spec, control, control_hz, env_id)
+    if agent is None:
+        files = f", a maneuver file ({', '.join(SUFFIXES)}) or a policy's folder"
+        raise not_among("agent", str(spec), agent_names(), files)
+    return agent
 
 
 def in_control(policy: Agent, control: Control, control_hz: float | None) -> Agent:

@@ -14,7 +14,7 @@ from eval.calibration import cells, scores, summary
 from eval.calibration import nuisances as tables
 from eval.commands.app import main
 from eval.rows import beliefs, nuisances
-from eval.rows.filters import OTHERS
+from eval.rows.beliefs import OTHERS
 from jawenv.recordings.estimate import Estimate
 from jawenv.references.extended_kalman import ExtendedKalman
 from tests.metrics.linear_gaussian import linear_gaussian
@@ -118,7 +118,7 @@ def ended(recording, world, step, violation):
 
 def test_a_patient_counts_only_at_times_that_it_reached(recording):
     over = ended(recording, 1, 10, True)
-    for name in ("tension", "ukf"):
+    for name in ("tension", "ekf-none"):
         rows = beliefs.rows_of(over, name, (0.5, 1.0), 4).assign(entry="some", filter="some")
         table = summary.summarise(rows).set_index("time_s")
         assert list(table["patients"]) == [3, 2] and list(table["ended"]) == [0, 1]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from agents import registry
+import jawenv
 from eval.commands.app import main
 from eval.studies import design
 from eval.studies.design import Design
@@ -75,7 +75,7 @@ def test_a_shipped_study_can_be_played_on_patients_for_reports(name):
 def test_shipped_studies_are_of_all_that_they_are_about():
     studies = {name: design.read(name)[1] for name in design.shipped()}
     played = {entry.agent for entry in studies["headline"].entries}
-    assert {*registry.names(), "random"} <= played
+    assert {*jawenv.maneuver_names(), "random"} <= played
     assert studies["headline"].patients == 200 and studies["headline"].seed == 20_000
     assert {environment.env for environment in studies["ladder"].environments} == {m.title for m in MODELS.values()}
     assert set(studies["cohorts"].cohorts) == set(COHORTS)
