@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,41 +13,48 @@ from rich.console import Console
 
 from jawenv.base.errors import InputError
 from jawenv.base.extras import of_the_clone
-from jawenv.commands.options import takes_world
+from jawenv.commands.options import takes_together, takes_world
 from jawenv.commands.running import command_line, run
 from training.search.commands import refine
 
-Config = Annotated[
-    str | None,
-    typer.Argument(metavar="CONFIG", help="A shipped configuration (apg, ppo, plain_ppo, ...) or a YAML file."),
-]
-ResidualOn = Annotated[
-    str | None,
-    typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file)."),
-]
-TargetDiscomfort = Annotated[
-    float | None,
-    typer.Option(metavar="S", help="Discomfort allowed on average, s in 30 s; its price is then learned."),
-]
-Output = Annotated[
-    Path | None,
-    typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG[-ENV]-seedSEED."),
-]
-Steps = Annotated[
-    int | None,
-    typer.Option(metavar="N", help="Environment steps to train for, over all worlds."),
-]
-Seed = Annotated[int | None, typer.Option(metavar="N", help="Seed; equal seeds give equal policies.")]
-Worlds = Annotated[int | None, typer.Option(metavar="N", help="Worlds stepped at once.")]
-Resume = Annotated[
-    Path | None,
-    typer.Option(metavar="RUN", help="Go on with the run in this folder, from its latest checkpoint."),
-]
-Continue = Annotated[
-    bool,
-    typer.Option("--continue", help="Go on with the run in the output folder if there is one; else start it."),
-]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what the output folder holds.")]
+
+
+@dataclass(frozen=True)
+class _Given:
+    """Settings that win over those of the file."""
+
+    residual_on: Annotated[
+        str | None, typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file).")
+    ] = None
+    target_discomfort: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Discomfort allowed on average, s in 30 s; its price is then learned."),
+    ] = None
+    steps: Annotated[int | None, typer.Option(metavar="N", help="Environment steps to train for, over all worlds.")] = (
+        None
+    )
+    seed: Annotated[int | None, typer.Option(metavar="N", help="Seed; equal seeds give equal policies.")] = None
+    n_envs: Annotated[int | None, typer.Option(metavar="N", help="Worlds stepped at once.")] = None
+
+
+@dataclass(frozen=True)
+class _Folder:
+    """Where the run lies, and what becomes of one that is there."""
+
+    output: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG[-ENV]-seedSEED.")
+    ] = None
+    resume: Annotated[
+        Path | None,
+        typer.Option(metavar="RUN", help="Go on with the run in this folder, from its latest checkpoint."),
+    ] = None
+    continue_: Annotated[
+        bool,
+        typer.Option("--continue", help="Go on with the run in the output folder if there is one; else start it."),
+    ] = False
+    overwrite: Overwrite = False
+
 
 app = command_line("Train agents that identify a patient's closing muscles.")
 app.command("refine")(refine)
@@ -54,18 +62,15 @@ app.command("refine")(refine)
 
 @app.command("train")
 @takes_world(defaults=dict.fromkeys(("control", "cohort", "episode_s")))  # a configuration has its own
+@takes_together
 def train(
     world: dict[str, Any],
-    config: Config = None,
-    residual_on: ResidualOn = None,
-    target_discomfort: TargetDiscomfort = None,
-    output: Output = None,
-    steps: Steps = None,
-    seed: Seed = None,
-    n_envs: Worlds = None,
-    resume: Resume = None,
-    continue_: Continue = False,
-    overwrite: Overwrite = False,
+    config: Annotated[
+        str | None,
+        typer.Argument(metavar="CONFIG", help="A shipped configuration (apg, ppo, plain_ppo, ...) or a YAML file."),
+    ] = None,
+    given: _Given = _Given(),
+    folder: _Folder = _Folder(),
 ) -> int:
     """Train a policy; Ctrl-C saves a checkpoint that --resume goes on from.
 
@@ -78,27 +83,21 @@ def train(
     from training.run.folder import RunFolder
 
     console = Console(highlight=False, markup=False)
-    settings: dict[str, Any] = {
-        "residual_on": residual_on,
-        "target_discomfort": target_discomfort,
-        "seed": seed,
-        "n_envs": n_envs,
-    }
-    if resume is not None:
-        flags = {"output": output, "continue": continue_, "overwrite": overwrite}
-        for name, value in {"CONFIG": config, **flags, **settings, **world}.items():
-            if value not in (None, False):
-                option = name if name.isupper() else f"--{name.replace('_', '-')}"
+    if folder.resume is not None:
+        settings = {"CONFIG": config, **vars(folder), **vars(given), **world}
+        for name, value in settings.items():
+            if name not in ("resume", "steps") and value not in (None, False):
+                option = name if name.isupper() else f"--{name.rstrip('_').replace('_', '-')}"
                 raise InputError(f"{option} cannot be combined with --resume, which keeps the settings of the run")
-        return training.resume(RunFolder(resume), console, steps)
-    if overwrite and continue_:
+        return training.resume(RunFolder(folder.resume), console, given.steps)
+    if folder.overwrite and folder.continue_:
         raise InputError("--overwrite cannot be combined with --continue")
-    training_config, stem = asked_for(config, world, steps=steps, **settings)
-    run = RunFolder(output or Path("runs") / f"{stem}-seed{training_config.seed}")
-    if continue_ and run.exists():
+    training_config, stem = asked_for(config, world, **vars(given))
+    run = RunFolder(folder.output or Path("runs") / f"{stem}-seed{training_config.seed}")
+    if folder.continue_ and run.exists():
         run.check_settings(training_config)
         return training.resume(run, console, training_config.steps)
-    return training.start(training_config, run, console, overwrite)
+    return training.start(training_config, run, console, folder.overwrite)
 
 
 @app.command("export")

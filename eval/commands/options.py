@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 import shlex
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass, is_dataclass, replace
-from functools import wraps
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated
 
 import typer
 from rich.console import Console
 
 from jawenv.base.seeds import REPORTS
+from jawenv.commands.options import takes_together as takes_together
 from jawenv.commands.options import takes_world as takes_world
 
 ENTRIES = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
@@ -63,31 +61,6 @@ class Ranked:
     reference: Reference = None
     largest_discomfort_s: LargestDiscomfort = 0.1
     largest_violation: LargestViolation = 0.01
-
-
-def takes_together(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator of a command: in place of a parameter whose default is a dataclass it has an option for each field."""
-    stated = inspect.signature(command, eval_str=True)
-    together: dict[str, Any] = {}
-    parameters = []
-    for name, parameter in stated.parameters.items():
-        if is_dataclass(parameter.default):
-            together[name] = parameter.default
-            for field, kind in get_type_hints(type(parameter.default), include_extras=True).items():
-                default = getattr(parameter.default, field)
-                parameters.append(parameter.replace(name=field, default=default, annotation=kind))
-        else:
-            parameters.append(parameter)
-
-    @wraps(command)
-    def run(**arguments: Any) -> Any:
-        for name, default in together.items():
-            arguments[name] = replace(default, **{field: arguments.pop(field) for field in vars(default)})
-        return command(**arguments)
-
-    vars(run)["__signature__"] = stated.replace(parameters=parameters)
-    run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-    return run
 
 
 class _Terminal(Console):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import Field, fields
+from dataclasses import Field, fields, is_dataclass, replace
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
@@ -75,6 +75,31 @@ def takes_world(
         return run
 
     return decorated
+
+
+def takes_together(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator of a command: in place of a parameter whose default is a dataclass it has an option for each field."""
+    stated = inspect.signature(command, eval_str=True)
+    together: dict[str, Any] = {}
+    parameters = []
+    for name, parameter in stated.parameters.items():
+        if is_dataclass(parameter.default):
+            together[name] = parameter.default
+            for field, kind in get_type_hints(type(parameter.default), include_extras=True).items():
+                default = getattr(parameter.default, field)
+                parameters.append(parameter.replace(name=field, default=default, annotation=kind))
+        else:
+            parameters.append(parameter)
+
+    @wraps(command)
+    def run(**arguments: Any) -> Any:
+        for name, default in together.items():
+            arguments[name] = replace(default, **{field: arguments.pop(field) for field in vars(default)})
+        return command(**arguments)
+
+    vars(run)["__signature__"] = stated.replace(parameters=parameters)
+    run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    return run
 
 
 def _options(without: tuple[str, ...], defaults: Mapping[str, object], otherwise: str) -> list[inspect.Parameter]:

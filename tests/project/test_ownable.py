@@ -15,11 +15,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_508,
+    "lines that README's commands load": 34_505,
     "lines of everything else": 14_400,
     "lines that a step loads": 12_621,
-    "lines that eval compare loads": 21_907,
-    "lines": 48_908,
+    "lines that eval compare loads": 21_905,
+    "lines": 48_905,
     "files": 441,
     "functions": 2_850,
 }
