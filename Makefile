@@ -10,7 +10,7 @@ STUDIES := headline calibration long clinic imaged agents cohorts robustness for
 DEMO_TRAIN := train apg --steps 96000 --target-discomfort 0.08 --output $(DEMO)/apg --continue
 DEMO_COMPARE := compare $(DEMO)/apg random --all-maneuvers --with-replay --cohort one_sided --episode-s 10 --seed 500 --output $(DEMO)
 
-SMALL := $(if $(FULL),,$(addprefix JAWENV_NOTEBOOK_,PATIENTS=4 EPISODE_S=5 DRAWS=2 QUICK=1))
+SMALL := $(if $(FULL),,$(addprefix JAWENV_NOTEBOOK_,PATIENTS=4 EPISODE_S=5 QUICK=1))
 export PYTHON
 # Compiled sources are kept in .venv and here: without them each of the many processes starts three times as slowly.
 unexport PYTHONDONTWRITEBYTECODE

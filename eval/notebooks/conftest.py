@@ -4,5 +4,4 @@ import os
 
 os.environ.setdefault("JAWENV_NOTEBOOK_PATIENTS", "3")
 os.environ.setdefault("JAWENV_NOTEBOOK_EPISODE_S", "4")
-os.environ.setdefault("JAWENV_NOTEBOOK_DRAWS", "2")
 os.environ.setdefault("JAWENV_NOTEBOOK_QUICK", "1")

@@ -80,7 +80,7 @@ def _figures(judged: Score, episode_s: float, first: str, information: Any) -> d
         "within 2 sd, %": 100.0 * float(judged.inside[2].mean()),
         f"NEES/{len(judged.parameter_names)}": float(judged.nees.mean()) / len(judged.parameter_names),
         "discomfort, s": float(judged.discomfort_s.mean()),
-        f"nats less {first}": gained.value,
+        f"gain over {first}, nats": gained.value,
         "from": gained.low,
         "to": gained.high,
     }

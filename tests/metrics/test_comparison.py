@@ -37,14 +37,14 @@ def test_the_numbers_are_those_of_the_command(table):
         }
         if row.entry != "refined":
             gained = row["difference"]
-            shown |= {"nats less refined": gained.value, "from": gained.low, "to": gained.high}
+            shown |= {"gain over refined, nats": gained.value, "from": gained.low, "to": gained.high}
         for name, value in shown.items():
             np.testing.assert_allclose(ours[name], value, rtol=1e-12, err_msg=f"{row.entry}: {name}")
 
 
 def test_entries_of_every_kind_stand_in_their_order(table):
     assert list(table.index) == [*NAMES, "still", "hold_still"]
-    assert table["nats less refined"].iloc[0] == 0.0 and (table["nats less refined"].iloc[1:] != 0.0).all()
+    assert table["gain over refined, nats"].iloc[0] == 0.0 and (table["gain over refined, nats"].iloc[1:] != 0.0).all()
 
 
 def test_who_never_knows_counts_as_the_whole_episode():

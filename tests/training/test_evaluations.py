@@ -118,6 +118,7 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
         (5, 11.0, 0.01, True),
     ):
         row = {"steps": steps, "return": mean_return, "discomfort_s": discomfort}
+        assert (evaluations.beyond(row) == "; above the 0.05 s allowed (--target-discomfort)") == (discomfort > 0.05)
         assert evaluations._compare(row) is better, row
 
 

@@ -192,7 +192,7 @@ class Evaluations(BaseCallback):
         }
         row = {name: figures[name] for name in COLUMNS if name in figures}
         begun = _BEGINNING if self._first is None else f"after {self.last:,} steps"
-        self._progress.say(f"{begun}, {self._worlds.num_envs} patients: {in_words(row)}")
+        self._progress.say(f"{begun}, {self._worlds.num_envs} patients: {in_words(row)}{self.beyond(row)}")
         # The row last: a run that is killed before it evaluates again, and keeps the policy again.
         if self._compare({**row, "steps": self.last}):
             self._keep()
@@ -209,6 +209,12 @@ class Evaluations(BaseCallback):
         if better:
             self.best = row
         return better
+
+    def beyond(self, row: Row) -> str:
+        """What to say of a row with more discomfort than is allowed; else empty."""
+        if self._limit is None or row.get("discomfort_s", 0.0) <= self._limit:
+            return ""
+        return f"; above the {self._limit:g} s allowed (--target-discomfort)"
 
     def _score(self, row: Row) -> _PolicyScore:
         gain, discomfort = row.get("return", 0.0), row.get("discomfort_s", 0.0)

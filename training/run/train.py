@@ -249,6 +249,9 @@ class TrainingSession:
             f"{in_words(evaluations.best)}: {self.run.path}",
             soft_wrap=True,
         )
+        if evaluations.best["steps"] == 0:
+            kept = "the untrained policy" if self.base is None else "the maneuver itself"
+            self._console.print(f"nothing was learned: {kept} is kept{evaluations.beyond(evaluations.best)}")
 
 
 def _whole_updates(model: Any, from_step: int, steps: int) -> int:
