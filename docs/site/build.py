@@ -86,6 +86,8 @@ def _target(link: str, anchor: str, origin: str) -> str:
     name = path.relative_to(ROOT).as_posix()
     if path in table_page.TABLES:
         return f"tables.md#{table_page.anchor(path.stem, anchor.removeprefix('#'))}"
+    if path.suffix == ".ipynb":
+        return f"notebooks/{path.stem}.md"
     return PAGES.get(name, name.removeprefix("docs/")) + anchor
 
 

@@ -9,24 +9,20 @@ BUTTONS = {"Drive a jaw": "live.md", "See maneuvers": "gallery.md", "See a repor
 def landing(readme: str) -> str:
     """The README's Markdown with its first screen arranged."""
     opening, ways, rest = _parts(readme)
-    title, *paragraphs = opening.split("\n\n")
-    film = next(number for number, text in enumerate(paragraphs) if text.startswith("!["))
-    lead, before, caption = paragraphs[0], paragraphs[1:film], paragraphs[film + 1 :]
+    _, lead, film, caption, *begin = opening.split("\n\n")
     buttons = " ".join(f"[{words}]({place}){{ .md-button }}" for words, place in BUTTONS.items())
     return "\n\n".join(
         [
             "---\nhide: [navigation, toc]\ntitle: jawenv\n---",
             '<div class="hero" markdown>\n<div class="words" markdown>',
             f"# {QUESTION}",
-            lead.replace(f"{QUESTION} ", ""),
+            lead,
             buttons,
             '</div>\n<div class="film" markdown>',
-            paragraphs[film],
-            *caption,
+            film,
+            caption,
             "</div>\n</div>",
-            '<div class="claims" markdown>',
-            *before,
-            "</div>",
+            *begin,
             _cards(ways),
             rest,
         ]
@@ -35,7 +31,7 @@ def landing(readme: str) -> str:
 
 def _parts(readme: str) -> tuple[str, str, str]:
     """What stands before the ways in, these, and what follows them."""
-    opening, ways = readme.split("\n## Three ways in\n")
+    opening, ways = readme.split("\n## Where to begin\n")
     ways, rest = ways.split("\n## ", 1)
     return opening.strip(), ways.strip(), "## " + rest
 
@@ -48,4 +44,4 @@ def _cards(ways: str) -> str:
         f'<div class="card" markdown>\n\n### You {who}\n\n{first}.\n{{ .first }}\n\nThen {then}.\n\n</div>'
         for who, first, then in rows
     ]
-    return "\n\n".join(["## Three ways in", '<div class="ways" markdown>', *cards, "</div>", *after])
+    return "\n\n".join(["## Where to begin", '<div class="ways" markdown>', *cards, "</div>", *after])

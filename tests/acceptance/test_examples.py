@@ -1,6 +1,7 @@
 """The examples run as their first lines say, in a process of their own; what they refuse is seen in this one."""
 
 import importlib.util
+import json
 import runpy
 import subprocess
 import sys
@@ -201,11 +202,24 @@ def test_device_loop_takes_packets_as_a_network_treats_them(capsys) -> None:
     assert "99 packets were no next reading" in capsys.readouterr().out
 
 
-def test_train_with_sb3() -> None:
-    pytest.importorskip("stable_baselines3")
-    done = run("examples/train_with_sb3.py", "--steps", "4096", "--patients", "2", "--episode-s", "3")
-    assert done.returncode == 0, done.stderr
-    assert [line.split()[0] for line in done.stdout.splitlines()] == ["PPO", "slow_opening"]
+def test_experimenter() -> None:
+    """An agent moves, reads and answers; what is no request gets one line; too sure an answer scores less."""
+    spec = importlib.util.spec_from_file_location("experimenter", ROOT / "examples" / "experimenter.py")
+    experimenter = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(experimenter)
+    experiment = experimenter.Experiment(7, "anyone", 4.0, True)
+    path = [[1, 0.8, 0.9, 0, -1], [1, 0.2, -0.9, 0.3, 1], [1, 0.9, -0.9, 0, 1], [1e9, 0.2, 0.9, 0.3, -1]]
+    asked = ["?", "3", '{"jump": 1}', '{"move": 3}', '{"answer": {}}', json.dumps({"move": path}), '{"identify": true}']
+    task, *errors, moved, found = experimenter.talk(experiment, asked)
+    assert len(task["prior"]) == 12 and all(set(reply) == {"error"} for reply in errors) and len(errors) == 5
+    assert moved["seconds_left"] == 0.0 and len(moved["rows"]) == 20 and moved["rows"][-1]["time_s"] == 4.0
+    told = found["estimate"]
+    scores = [experiment.answer({n: [m, f * s] for n, (m, s) in told.items()})["nats"] for f in (1.0, 0.1)]
+    assert scores[0] > 10.0 and scores[1] < scores[0] and experiment.answer(task["prior"]) == {"nats": 0.0}
+    silent = experimenter.Experiment(7, "anyone", 4.0, False)
+    assert list(experimenter.talk(silent, ['{"identify": true}']))[1] == {"error": "identify is not allowed here"}
+    done = run("examples/experimenter.py", "--marks", "--seconds", "1")
+    assert done.returncode == 0 and done.stdout.count("nats") == 2, done.stderr
 
 
 def test_train_with_torchrl() -> None:

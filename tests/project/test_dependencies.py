@@ -74,8 +74,8 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
     ("folder", "own", "extras"),
     [
         # pyyaml and pyarrow only to read such a file; jawenv says so when they are missing. rich only in
-        # jawenv.base.progress, for the commands, which bring it.
-        ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all", "sb3"]),
+        # jawenv.base.progress, for the commands, which bring it. pandas only where it is installed: jawenv.compare.
+        ("jawenv", {"jawenv", "yaml", "pyarrow", "rich", "pandas"}, ["all", "sb3"]),
         ("agents", {"jawenv", "agents"}, ["all", "train"]),
         ("training", {"jawenv", "agents", "training"}, ["all", "train"]),
         ("eval", {"jawenv", "agents", "training", "eval", "examples"}, ["all", "train", "eval", "sbi"]),
