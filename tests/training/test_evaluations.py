@@ -15,6 +15,7 @@ from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig, EvaluationConfig
 from training.run.evaluations import Evaluation, Evaluations, evaluate, in_words
 from training.run.folder import RunFolder
+from training.run.train import TrainingSession
 
 
 def worlds(start: float = 1.0) -> NativeVecEnv:
@@ -118,7 +119,7 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
         (5, 11.0, 0.01, True),
     ):
         row = {"steps": steps, "return": mean_return, "discomfort_s": discomfort}
-        assert (evaluations.beyond(row) == "; above the 0.05 s allowed (--target-discomfort)") == (discomfort > 0.05)
+        assert (", above the 0.05 s allowed" in in_words(row, 0.05)) == (discomfort > 0.05)
         assert evaluations._compare(row) is better, row
 
 
@@ -195,3 +196,23 @@ def test_the_first_evaluations_follow_each_other_sooner(tmp_path: Path) -> None:
         evaluations.model.num_timesteps = steps
         evaluations._on_rollout_start()
     assert at == [0, 8, 16, 32, 64, 128, 192, 256]
+
+
+def test_the_end_says_that_nothing_was_learned_and_why() -> None:
+    for steps, base, words in ((0, object(), "the maneuver itself is kept"), (0, None, "the untrained policy is kept")):
+        console = Console(record=True, width=500, quiet=False)
+        session = SimpleNamespace(
+            model=SimpleNamespace(num_timesteps=10),
+            run=SimpleNamespace(path="run"),
+            base=base,
+            _from_step=0,
+            _console=console,
+            _validation=SimpleNamespace(num_envs=2),
+        )
+        row = {"steps": steps, "return": 1.0, "discomfort_s": 0.09}
+        TrainingSession._report(session, SimpleNamespace(best=row, limit_s=0.04), 1.0)  # type: ignore[arg-type]
+        said = console.export_text()
+        assert f"nothing was learned: {words}" in said and "above the 0.04 s allowed" in said
+        row["steps"] = 5
+        TrainingSession._report(session, SimpleNamespace(best=row, limit_s=0.1), 1.0)  # type: ignore[arg-type]
+        assert "nothing" not in (said := console.export_text()) and "above" not in said

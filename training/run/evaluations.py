@@ -132,6 +132,7 @@ class Evaluations(BaseCallback):
     Attributes:
         best: row of the best policy; None before the first row.
         last: steps of the latest row; None before the first.
+        limit_s: as ``largest_discomfort_s``.
     """
 
     def __init__(
@@ -150,7 +151,7 @@ class Evaluations(BaseCallback):
         self._sampled = sampled
         self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
         self._progress, self._interrupted = progress, interrupted
-        self._limit = largest_discomfort_s
+        self.limit_s = largest_discomfort_s
         self.best: Row | None = None
         self._first: Row | None = None
         self.last: int | None = None
@@ -192,7 +193,7 @@ class Evaluations(BaseCallback):
         }
         row = {name: figures[name] for name in COLUMNS if name in figures}
         begun = _BEGINNING if self._first is None else f"after {self.last:,} steps"
-        self._progress.say(f"{begun}, {self._worlds.num_envs} patients: {in_words(row)}{self.beyond(row)}")
+        self._progress.say(f"{begun}, {self._worlds.num_envs} patients: {in_words(row, self.limit_s)}")
         # The row last: a run that is killed before it evaluates again, and keeps the policy again.
         if self._compare({**row, "steps": self.last}):
             self._keep()
@@ -210,15 +211,9 @@ class Evaluations(BaseCallback):
             self.best = row
         return better
 
-    def beyond(self, row: Row) -> str:
-        """What to say of a row with more discomfort than is allowed; else empty."""
-        if self._limit is None or row.get("discomfort_s", 0.0) <= self._limit:
-            return ""
-        return f"; above the {self._limit:g} s allowed (--target-discomfort)"
-
     def _score(self, row: Row) -> _PolicyScore:
         gain, discomfort = row.get("return", 0.0), row.get("discomfort_s", 0.0)
-        if self._limit is not None and discomfort > self._limit:
+        if self.limit_s is not None and discomfort > self.limit_s:
             return _PolicyScore(False, -discomfort)
         return _PolicyScore(True, gain)
 
@@ -238,7 +233,7 @@ class Evaluations(BaseCallback):
             self._progress.note("best", f"best: {in_words(self.best)}; at the beginning: {in_words(self._first)}")
 
 
-def in_words(row: Row) -> str:
+def in_words(row: Row, limit_s: float | None = None) -> str:
     """The figures of a row that a reader compares, medians over patients; the return where there is none of them."""
     known = row.get("known_s", math.inf)
     words = {
@@ -246,4 +241,6 @@ def in_words(row: Row) -> str:
         "known_s": f"all within {100.0 * KNOWN:g} % " + (f"after {known:.2g} s" if math.isfinite(known) else "never"),
         "discomfort_s": f"discomfort {row.get('discomfort_s', 0.0):.2g} s in 30 s",
     }
+    if limit_s is not None and row.get("discomfort_s", 0.0) > limit_s:
+        words["discomfort_s"] += f", above the {limit_s:g} s allowed (--target-discomfort)"
     return ", ".join(text for name, text in words.items() if name in row) or f"return {row['return']:.4g}"

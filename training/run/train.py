@@ -185,7 +185,16 @@ class TrainingSession:
         try:
             with interrupt, Progress(total, "steps", self._console, self._from_step) as progress:
                 upkeep = Upkeep(config, run, interrupt, progress, self._multiplier)
-                evaluations = self.evaluations(progress, interrupt)
+                evaluations = Evaluations(
+                    run,
+                    config.evaluation,
+                    self._validation,
+                    self.keep,
+                    progress,
+                    interrupted=interrupt.wanted,
+                    largest_discomfort_s=None if config.comfort is None else config.comfort.target_discomfort_s,
+                    sampled=not isinstance(model, APG),  # it learns through the most likely actions
+                )
                 model.learn(
                     config.steps - self._from_step,
                     CallbackList([upkeep, evaluations]),
@@ -209,20 +218,6 @@ class TrainingSession:
         self._report(evaluations, time.monotonic() - begun)
         return 0
 
-    def evaluations(self, progress: Progress, interrupt: Interrupt) -> Evaluations:
-        """Evaluations on the validation patients, which keep the best policy in the run's folder."""
-        comfort = self.config.comfort
-        return Evaluations(
-            self.run,
-            self.config.evaluation,
-            self._validation,
-            self.keep,
-            progress,
-            interrupted=interrupt.wanted,
-            largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
-            sampled=not isinstance(self.model, APG),  # it learns through the most likely actions
-        )
-
     def keep(self) -> None:
         """Write the policy as it is now into the run's folder, as weights and a card.
 
@@ -240,18 +235,17 @@ class TrainingSession:
         return None if self.base is None else CorrectedManeuver(maneuver=self.base.maneuver, scale=self.base.scale)
 
     def _report(self, evaluations: Evaluations, seconds: float) -> None:
-        steps = self.model.num_timesteps
+        steps, best = self.model.num_timesteps, evaluations.best
         rate = (steps - self._from_step) / seconds
-        assert evaluations.best is not None
+        assert best is not None
+        kept = "the untrained policy" if self.base is None else "the maneuver itself"
         self._console.print(
-            f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best on "
-            f"{self._validation.num_envs} validation patients after {evaluations.best['steps']:,.0f} steps: "
-            f"{in_words(evaluations.best)}: {self.run.path}",
+            f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); "
+            f"best on {self._validation.num_envs} validation patients after {best['steps']:,.0f} steps: "
+            f"{in_words(best, evaluations.limit_s)}: {self.run.path}"
+            + ("" if best["steps"] else f"\nnothing was learned: {kept} is kept"),
             soft_wrap=True,
         )
-        if evaluations.best["steps"] == 0:
-            kept = "the untrained policy" if self.base is None else "the maneuver itself"
-            self._console.print(f"nothing was learned: {kept} is kept{evaluations.beyond(evaluations.best)}")
 
 
 def _whole_updates(model: Any, from_step: int, steps: int) -> int:
