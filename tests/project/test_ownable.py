@@ -16,12 +16,12 @@ ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
     "lines that README's commands load": 34_490,
-    "lines of everything else": 14_395,
+    "lines of everything else": 14_394,
     "lines that a step loads": 12_602,
     "lines that eval compare loads": 21_901,
-    "lines": 48_885,
+    "lines": 48_884,
     "files": 441,
-    "functions": 2_845,
+    "functions": 2_844,
 }
 STEP = """
 import gymnasium, jawenv
