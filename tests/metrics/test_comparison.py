@@ -1,5 +1,7 @@
 """`jawenv.compare`: the numbers of `python -m eval compare`, for entries of every kind."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -60,3 +62,9 @@ def test_who_never_knows_counts_as_the_whole_episode():
 def test_what_is_no_entry_is_refused(entries, says):
     with pytest.raises(jawenv.InputError, match=says):
         jawenv.compare(entries, patients=1, episode_s=1.0)
+
+
+def test_without_pandas_the_rows_are_mappings(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    (row,) = jawenv.compare(["hold_still"], patients=1, seed=5, episode_s=1.0)
+    assert row["entry"] == "hold_still" and row["all within 5 %, s"] == 1.0 and np.isnan(row["from"])
