@@ -1,6 +1,6 @@
 """A text door for any agent, a language model among them: it moves a jaw, reads, answers, and gets a proper score.
 
-    python examples/experimenter.py --seed 7  # and with --marks: what the prior, slow opening and a searched movement score
+    python examples/experimenter.py --seed 7  # with --marks: what the prior and two movements score
 
 Both sides write JSON, one object a line. The first line tells the task. The agent asks ``{"move": [[seconds, opening,
 side, fore_aft, roll], ...]}``, and gets what the device read; ``{"identify": true}``, and gets the filter's estimate,
