@@ -27,7 +27,7 @@ class Running:
     def __init__(self, record, log_parameters=None, early=True):
         self.record, self.size = record, len(record.start_mean)
         run = FilterRun(record)
-        _, self.belief, _, self.settings, self.scratch = run.arguments
+        _, self.belief, _, _, self.settings, self.scratch = run.arguments
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.settings["basis"], self.belief, theta, record.prior.sd.copy())
         begin_motion(self.belief, record.start_mean.copy(), record.start_sd.copy())

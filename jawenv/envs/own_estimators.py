@@ -108,7 +108,7 @@ class OwnEstimators:
         self._failed |= chosen
         for i, start in zip(numbers, starts, strict=True):
             self.each[i].reset(start)
-            self.each[i].update(ticks["measured"][i, 0].copy(), None)
+            self.each[i].update(ticks["measured"][i, 0].astype(float), None)
         self._take(chosen)
         self._failed &= ~chosen
 
@@ -120,7 +120,7 @@ class OwnEstimators:
         for i in np.flatnonzero(active).tolist():
             last = int(worlds["known"]["tick"][i])
             for row in ticks[i, last - ticks_per_step + 1 : last + 1]:
-                self.each[i].update(row["measured"].copy(), row["samples"].copy())
+                self.each[i].update(row["measured"].astype(float), row["samples"].astype(float))
         self._take(active)
         self._failed &= ~active
 

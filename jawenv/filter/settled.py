@@ -16,7 +16,7 @@ def settled(moved: NDArray[np.float64], sd: NDArray[np.float64], learnt_s: objec
     """Whether beliefs may be acted on: a false one has mostly moved far, and is filtered again from there soon.
 
     Args:
-        moved: (..., P) means of the natural logs less those at which the readings were last filtered from the first on.
+        moved: (..., P) means of the natural logs less those at which the readings were last filtered again.
         sd: (..., P).
         learnt_s: (...) s of readings that teach something.
 

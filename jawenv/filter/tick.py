@@ -32,8 +32,9 @@ from numpy.typing import NDArray
 
 from jawenv.filter.alarm.drift import is_due
 from jawenv.filter.alarm.misfit import add_to_block
+from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_drift, begin_motion, forget_readings
-from jawenv.filter.learn import LearnScratch, conclude, keep_passing, learn, learn_scratch_dtype
+from jawenv.filter.learn import LearnScratch, conclude, keep_passing, learn, learn_scratch_dtype, recentre
 from jawenv.filter.model.basis import build_basis
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
@@ -52,19 +53,25 @@ from jawenv.filter.updates.measurement_update import (
 )
 from jawenv.filter.updates.time_update import TimeScratch, predict_motion, time_scratch_dtype
 from jawenv.kernels.compiled import njit, njit_within, where
-from jawenv.kernels.records import Array, record_dtype
+from jawenv.kernels.records import Array, copy_record, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 
-# At the ends of windows of so many readings, each twice as long as the one before, all readings are filtered again,
-# linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
+# At the ends of windows of so many readings, each twice as long as the one before, readings are filtered again,
+# linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` and ``MOVED_SDS`` since they
+# last were.
 FIRST_WINDOW, LAST_WINDOW = 5, 20480
-MOVED = 0.05  # of a natural logarithm
+MOVED, MOVED_SDS = 0.05, 1.4  # of a natural logarithm; sds of the present belief
+# All are, until every sd is below ``NEAR_SD``. From then on those since the last time are, from the belief that was
+# kept: forces are linear in coefficients of tension, so that readings once linearised near the truth need not be read
+# again. A count of readings or ticks in its place loses people whose jaws are known within a factor of ten at first.
+# Nuisances move on: with these all are read again.
+NEAR_SD = 0.1
 
 
-ROW = np.dtype([("measured", np.float64, N_MEASUREMENTS), ("samples", np.float64, (N_SAMPLES, N_WRENCH))], align=True)
+ROW = np.dtype([("measured", np.float32, N_MEASUREMENTS), ("samples", np.float32, (N_SAMPLES, N_WRENCH))], align=True)
 """One tick's readings for a replay of the filter: encoders at its end, load cell during it. Nearly all of a world's
-memory are rows of it, so that they have no padding."""
+memory are rows of it, so that they have no padding and single precision, to which all readings are rounded."""
 
 
 class FilterScratch:
@@ -79,6 +86,8 @@ class FilterScratch:
     before: Annotated[Array, "motion"]  # the motion, before the time update
     used: Annotated[NDArray[np.uint8], N_MEASUREMENTS]  # readings, screened
     measured: Annotated[Array, N_MEASUREMENTS]  # corrected
+    row_measured: Annotated[Array, N_MEASUREMENTS]  # of the row that is filtered again
+    row_samples: Annotated[Array, N_SAMPLES, N_WRENCH]
     verdict: int  # what explains them, see ``measurement_update``
 
 
@@ -110,7 +119,7 @@ def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
     begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
     for k in range(belief.nuisance_factor.shape[0] - belief.nuisances.shape[0]):
         belief.nuisance_factor[k, k] = sqrt(settings.gain_variance)
-    belief.gated = 0
+    belief.gated = belief.replayed = 0
 
 
 def _jaw_at_mean(jaw: Jaw, belief: Belief):
@@ -187,36 +196,77 @@ def ends_window(belief: Belief):
 @njit
 def has_moved(belief: Belief):
     """Whether the mean is so far from where the readings were last filtered that they are to be filtered again."""
-    furthest = 0.0
+    furthest, sds = 0.0, 0.0
     for i in range(belief.mean.shape[0]):
-        furthest = max(furthest, abs(belief.mean[i] - belief.replayed_at[i]))
+        moved = abs(belief.mean[i] - belief.replayed_at[i])
+        furthest, sds = max(furthest, moved), max(sds, moved / sqrt(belief.cov[i, i]))
     for j in range(belief.nuisances.shape[0]):
-        furthest = max(furthest, abs(belief.nuisances[j] - belief.nuisances_replayed_at[j]))
-    return furthest > MOVED
+        if abs(belief.nuisances[j] - belief.nuisances_replayed_at[j]) > MOVED:
+            return True
+    return furthest > MOVED and sds > MOVED_SDS
 
 
 @njit
-def replay(jaw: Jaw, belief: Belief, rows, tick, settings: FilterSettings, scratch: FilterScratch):
-    """Filter ``rows`` 0 to ``tick`` again, linearised at the current mean of the parameters.
+def read_row(row, scratch: FilterScratch):
+    """The readings of a row, (12,) and (3, 6), in double precision until the next one is read."""
+    scratch.row_measured[:] = row.measured
+    scratch.row_samples[:, :] = row.samples
+    return scratch.row_measured, scratch.row_samples
+
+
+def _first_of_all(belief: Belief, kept: Belief, settings: FilterSettings, scratch: FilterScratch):
+    return 0
+
+
+@where(all_known, otherwise=_first_of_all)
+def _return_to(belief: Belief, kept: Belief, settings: FilterSettings, scratch: FilterScratch):
+    """Once the muscles are nearly known, return to what the last replay left, at the present mean.
+
+    Returns the first row to filter again.
+    """
+    for i in range(belief.mean.shape[0]):
+        if belief.replayed == 0 or belief.cov[i, i] > NEAR_SD * NEAR_SD:
+            return 0
+    first = belief.replayed + 1
+    kept.mean[:], kept.cov[:, :], kept.gated = belief.mean, belief.cov, belief.gated
+    kept.replayed_at[:] = belief.replayed_at
+    copy_record(belief, kept)
+    recentre(belief, settings, scratch.belief)
+    refocus(belief, scratch.belief)
+    return first
+
+
+@where(all_known)
+def _keep(belief: Belief, kept: Belief):
+    """Let ``kept`` be the belief."""
+    copy_record(kept, belief)
+
+
+@njit
+def replay(jaw: Jaw, beliefs, rows, tick, settings: FilterSettings, scratch: FilterScratch):
+    """Filter rows up to ``tick`` again, linearised at the present mean of the parameters.
 
     The first pass was linearised at earlier means. The information about the tensions hardly depends on them, but the
     filtered motion does. What the gate refuses is counted in the first pass alone.
     """
+    belief, kept = beliefs
     belief.replayed_at[:] = belief.mean
     belief.nuisances_replayed_at[:] = belief.nuisances
-    begin_motion(belief, belief.began, settings.start_sd)
-    forget_readings(belief)
-    begin_drift(belief.drift)
-    for k in range(tick + 1):
-        take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
+    first = _return_to(belief, kept, settings, scratch)
+    if first == 0:
+        begin_motion(belief, belief.began, settings.start_sd)
+        forget_readings(belief)
+        begin_drift(belief.drift)
+    for k in range(first, tick + 1):
+        measured, samples = read_row(rows[k], scratch)
+        take_readings(jaw, belief, measured, samples, k, settings, scratch)
         if is_due(belief):
             keep_passing(belief, settings, scratch.belief)
+    belief.replayed = tick
 
 
 @njit_within
-def filter_tick(
-    jaw: Jaw, belief: Belief, rows, tick, measured, samples, settings: FilterSettings, scratch: FilterScratch
-):
+def filter_tick(jaw: Jaw, beliefs, rows, tick, measured, samples, settings: FilterSettings, scratch: FilterScratch):
     """One tick of the filter. Returns how many readings were left out.
 
     The belief is renewed where a window of readings ends, and where the parameters' uncertainty alone explains what was
@@ -224,7 +274,7 @@ def filter_tick(
 
     Args:
         jaw: The filter's model.
-        belief: Record of dtype ``belief_dtype``.
+        beliefs: Two records of dtype ``belief_dtype``: the belief, and what the last replay has left.
         rows: (any number) records of dtype ``ROW``, of the ticks so far, for replays.
         tick: Its number.
         measured: (12,) encoders at its end.
@@ -232,6 +282,7 @@ def filter_tick(
         settings: See ``filter_settings_dtype``.
         scratch: Working memory.
     """
+    belief, kept = beliefs
     before = belief.readings
     left_out = take_readings(jaw, belief, measured, samples, tick, settings, scratch)
     if settings.motion_only:
@@ -241,8 +292,9 @@ def filter_tick(
     if belief.readings > before and tick <= min(LAST_WINDOW, rows.shape[0] - 1) and ends_window(belief):
         learn(belief, settings, scratch.belief)
         if has_moved(belief):
-            replay(jaw, belief, rows, tick, settings, scratch)
+            replay(jaw, beliefs, rows, tick, settings, scratch)
             conclude(belief, settings, scratch.belief)
+            _keep(belief, kept)
     elif scratch.verdict == SURPRISING:
         learn(belief, settings, scratch.belief)
     return left_out

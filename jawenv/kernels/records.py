@@ -9,6 +9,10 @@ from __future__ import annotations
 from typing import Annotated, Any, TypeAlias, get_args, get_origin, get_type_hints
 
 import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 LINE = 64  # bytes of a line of the cache
@@ -58,3 +62,15 @@ def record_zeros(shape: int | tuple[int, ...], dtype: np.dtype[np.void]) -> NDAr
     room = np.zeros(size + LINE, dtype=np.uint8)
     first = -room.ctypes.data % LINE
     return room[first : first + size].view(dtype).reshape(shape)
+
+
+@intrinsic
+def _copy_record(typing: Any, target: Any, source: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        cgutils.raw_memcpy(builder, values[0], values[1], ir.Constant(ir.IntType(64), target.size), 1)
+        return context.get_dummy_value()
+
+    return types.none(target, source), generate
+
+
+copy_record: Any = _copy_record

@@ -23,8 +23,8 @@ def record_of(simulation: Simulation, index: int) -> Record:
     rows, true = simulation.ticks[index, :count], simulation.paths[index, :count]
     return Record(
         time=np.arange(len(rows), dtype=np.float64) * TICK,
-        measured=rows["measured"].copy(),
-        samples=rows["samples"][1:].copy(),
+        measured=rows["measured"].astype(np.float64),
+        samples=rows["samples"][1:].astype(np.float64),
         start_mean=began.copy(),
         start_sd=settings["start_sd"][: len(began)].copy(),
         measurement_sd=np.sqrt(settings["measurement_variance"]),

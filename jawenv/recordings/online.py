@@ -12,7 +12,7 @@ from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import whole_number
 from jawenv.envs.configuration import Configuration, configure
 from jawenv.envs.world.kept_ticks import keep_reading
-from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
+from jawenv.filter.belief.state import FilterSettings, belief_dtype, filter_settings_dtype
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.joint_step import N_SAMPLES
@@ -155,7 +155,7 @@ class OnlineFilter:
             if name != "nuisances" or nuisances:
                 self._settings[name] = settings[name]
         self._jaw, self._every, self._states = jaw.copy(), whole, states
-        self._belief: Any = record_zeros(1, belief_dtype(muscles, states, lines, *sizes))[0]
+        self._belief, self._kept = record_zeros(2, belief_dtype(muscles, states, lines, *sizes))
         self._rows: Any = record_zeros(LAST_WINDOW + 1, ROW)
         self._scratch: Any = record_zeros(1, filter_scratch_dtype(muscles, lines, states, *sizes))[0]
         self._known_sd = self._settings["start_sd"][:states].copy()
@@ -253,7 +253,7 @@ class OnlineFilter:
         return int(
             take_tick(
                 self._jaw,
-                self._belief,
+                (self._belief, self._kept),
                 self._rows,
                 (self._tick, self._every),
                 self._measured,
@@ -292,13 +292,11 @@ def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 @njit
-def take_tick(
-    jaw: Jaw, belief: Belief, rows, clock, measured, samples, settings: FilterSettings, scratch: FilterScratch
-):
+def take_tick(jaw: Jaw, beliefs, rows, clock, measured, samples, settings: FilterSettings, scratch: FilterScratch):
     """One tick as in an environment; ``clock`` is its number and the ticks from one belief to the next."""
     tick, every = clock
     keep_reading(tick, measured, samples, settings.used, rows)
-    left_out = filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch)
+    left_out = filter_tick(jaw, beliefs, rows, tick, measured, samples, settings, scratch)
     if tick > 0 and tick % every == 0:
-        conclude(belief, settings, scratch.belief)
+        conclude(beliefs[0], settings, scratch.belief)
     return left_out

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from jawenv.base.errors import InputError
 from jawenv.filter.belief.state import belief_dtype
 from jawenv.filter.learn import conclude
-from jawenv.filter.tick import ROW, begin_filter, filter_scratch_dtype, filter_tick
+from jawenv.filter.tick import ROW, begin_filter, filter_scratch_dtype, filter_tick, read_row
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
 from jawenv.recordings.estimate import Estimate
@@ -60,6 +60,7 @@ class Arguments(NamedTuple):
 
     jaw: Any  # the model
     belief: Any  # state of the filter, before the first reading
+    kept: Any  # the same, as the last replay left it
     rows: Any  # (T + 1,) the readings
     settings: Any  # of dtype ``filter_settings_dtype``
     scratch: Any  # working memory
@@ -85,10 +86,10 @@ class FilterRun:
         rows: Any = record_zeros(len(record.time), ROW)
         rows["measured"], rows["samples"][1:] = record.measured, record.samples
         self.settings, self.last = settings, len(rows) - 1
-        self.belief = record_zeros(1, belief_dtype(muscles, states))[0]
+        self.belief, kept = record_zeros(2, belief_dtype(muscles, states))
         scratch = record_zeros(1, filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
         begin_filter(record.jaw, self.belief, record.start_mean, settings)
-        self.arguments = Arguments(record.jaw, self.belief, rows, settings, scratch)
+        self.arguments = Arguments(record.jaw, self.belief, kept, rows, settings, scratch)
 
 
 @njit
@@ -97,7 +98,8 @@ def filter_record(run: Arguments, every, means, covs):
     belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
     begin_filter(run.jaw, belief, belief.began, settings)
     for tick in range(rows.shape[0]):
-        filter_tick(run.jaw, belief, rows, tick, rows[tick].measured, rows[tick].samples, settings, scratch)
+        measured, samples = read_row(rows[tick], scratch)
+        filter_tick(run.jaw, (belief, run.kept), rows, tick, measured, samples, settings, scratch)
         if tick % every == 0:
             conclude(belief, settings, scratch.belief)
             means[tick // every] = belief.mean

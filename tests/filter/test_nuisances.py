@@ -241,7 +241,7 @@ def test_a_prediction_that_is_lost_loses_the_motion_and_nothing_else():
     simulation = envs.unwrapped.simulation
     rows, belief = simulation.ticks[0], simulation.worlds["known"]["belief"][:1].copy()
     belief["smoothed"] = np.nan
-    read_tick(simulation, belief[0], rows[200]["measured"], rows[200]["samples"])
+    read_tick(simulation, belief[0], rows[200]["measured"].astype(float), rows[200]["samples"].astype(float))
     for name in ("motion", "motion_cov", "by_tension", "information", "score"):
         assert np.isfinite(belief[name]).all(), name
     assert simulation.scratches[0]["filter"]["verdict"] == EXPECTED, "and the tick's readings are used"

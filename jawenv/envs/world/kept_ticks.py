@@ -32,15 +32,18 @@ def true_tick_dtype(n_states: int) -> np.dtype[np.void]:
 
 @njit
 def keep_reading(tick, measured, samples, used, ticks):
-    """Write what was read into row ``tick`` of ``ticks``, as long as there are rows."""
+    """Round what was read to the precision of row ``tick`` of ``ticks``, and write it there while there are rows."""
+    for i in range(measured.shape[0]):
+        measured[i] = np.float64(np.float32(measured[i]))
+    for i in range(samples.shape[0]):
+        for k in range(6):
+            samples[i, k] = np.float64(np.float32(samples[i, k]))
     if tick >= ticks.shape[0]:
         return
     row = ticks[tick]
     for i in range(row.measured.shape[0]):
         row.measured[i] = measured[i] if used[i] else np.nan
-    for i in range(row.samples.shape[0]):
-        for k in range(6):
-            row.samples[i, k] = samples[i, k]
+    row.samples[:, :] = samples
 
 
 @njit

@@ -89,6 +89,7 @@ class Known:
     tracker: Tracker  # of targets control
     reading: Annotated[Array, 6]  # load cell, body axes
     belief: Belief
+    kept: Belief  # as the last replay of the filter left it
     left_out: float  # share of the last step's readings that were not used
     gated: float  # share of the last step's ticks whose innovation the gate rejected
     log_det_prior: float
@@ -102,6 +103,7 @@ def known_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n
         Known,
         limits=limits_dtype(n_lines),
         belief=belief_dtype(n_muscles, n_states, n_lines, n_nuisances, n_disturbance),
+        kept=belief_dtype(n_muscles, n_states, n_lines, 0, 0 if n_nuisances else n_disturbance),
     )
 
 

@@ -190,7 +190,8 @@ def read(model: Jaw, known: Known, settings: Settings, scratch: Scratch, ticks):
     measured, samples = scratch.measured, scratch.samples
     belief, gated = known.belief, known.belief.gated
     keep_reading(known.tick, measured, samples, settings.filter.used, ticks)
-    left_out = filter_tick(model, belief, ticks, known.tick, measured, samples, settings.filter, scratch.filter)
+    beliefs, tick = (belief, known.kept), known.tick
+    left_out = filter_tick(model, beliefs, ticks, tick, measured, samples, settings.filter, scratch.filter)
     if known.tick > 0:
         share = 1.0 / settings.control.ticks_per_step
         known.left_out += share * left_out / settings.channels

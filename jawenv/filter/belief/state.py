@@ -122,7 +122,7 @@ class Belief:
     nuisance_factor: Annotated[Array, "shared", "shared"]
     mean: Annotated[Array, "parameters"]  # natural logs
     cov: Annotated[Array, "parameters", "parameters"]
-    replayed_at: Annotated[Array, "parameters"]  # mean at which the readings were last filtered from the first on
+    replayed_at: Annotated[Array, "parameters"]  # mean at which the readings were last filtered again
     trend: Annotated[Array, N_WRENCH]  # of the load cell
     readings: int  # ticks at the end of which an encoder was used, and that something could be learnt from
     refused: int  # ticks on end, up to the last one, whose readings were refused
@@ -130,6 +130,7 @@ class Belief:
     near: int  # the same, after teeth
     stay: _Stay
     gated: int  # ticks whose innovation the gate rejected when they were read
+    replayed: int  # the tick up to which readings were last filtered again; 0 for none
     sensors: Sensors
 
 

@@ -22,7 +22,7 @@ from jawenv.filter.belief.state import (
 from jawenv.filter.model.basis import N_NODES
 from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.filter.nuisances.unknowns import WRENCH_UNITS
-from jawenv.filter.tick import ROW, FilterScratch, begin_filter, filter_scratch_dtype, take_readings
+from jawenv.filter.tick import ROW, FilterScratch, begin_filter, filter_scratch_dtype, read_row, take_readings
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.jaw import Jaw
@@ -213,7 +213,8 @@ def _pass_through(
     begin_motion(belief, belief.began, settings.start_sd)
     forget_readings(belief)
     for k in range(rows.shape[0]):
-        take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
+        measured, samples = read_row(rows[k], scratch)
+        take_readings(jaw, belief, measured, samples, k, settings, scratch)
         if k > 0 and k % every == 0 and k // every <= information.shape[0]:
             block = k // every - 1
             information[block] = belief.information
