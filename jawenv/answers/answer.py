@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,16 +10,18 @@ import numpy as np
 from jawenv.analysis.wording import in_words
 from jawenv.anatomy import MUSCLE_NAMES
 from jawenv.anatomy.cohorts import TRUNCATION_SD
-from jawenv.answers.assumed import assumed_in_words, cohort_assumed, reasons
+from jawenv.answers.assumed import assumed_in_words, cohort_assumed, learnt_in_words, reasons
+from jawenv.answers.tension import Tension, tensions_of
+from jawenv.answers.tension import in_words as in_words_of_tension
 from jawenv.base.versions import package_versions
 from jawenv.metrics.calibration import YELLOW, alarm_word
 from jawenv.metrics.verdicts import NO_VERDICT, OPEN, WITHHELD, Verdict, verdicts
-from jawenv.recordings import defaults
+from jawenv.recordings.defaults import tilt_of
 from jawenv.recordings.estimate import ENOUGH, Array
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.record import Record
 from jawenv.recordings.several.together import Agreement
-from jawenv.recordings.untold.bank import DRIFT
+from jawenv.recordings.size import size_in
 from jawenv.recordings.untold.learnt import Learnt
 from jawenv.recordings.zero import UNSEEN_DRIFT, change_of_zero
 
@@ -90,6 +92,12 @@ class Answer:
         return dict(zip(MUSCLE_NAMES, found, strict=True))
 
     @property
+    def tension(self) -> dict[str, list[Tension]]:
+        """Closing forces at the incisors as far as the first recording went, see ``tensions_of``."""
+        record = self.records[0] if self.learnt is None else replace(self.records[0], jaw=self.learnt.jaw)
+        return tensions_of(record, self.log_mean, self.log_cov)
+
+    @property
     def enough(self) -> bool:
         """Whether all error bars are within 5 %: the recording may stop here."""
         return bool((self.log_sd <= ENOUGH).all())
@@ -130,6 +138,7 @@ class Answer:
             f"numbers: {result.numbers:,} read, {result.left_out:,} left out (out of range, or repeated)",
             f"assumed: {self.assumed}",
             f"zero:    {self._zero()}",
+            f"learnt:  {learnt_in_words(record, self.learnt)}",
             f"alarm:   {word}, misfit {result.misfit:.3g} (yellow above {YELLOW:g}, it rings above 1)",
         ]
 
@@ -149,13 +158,15 @@ class Answer:
         seen = f"a drift is not seen: {UNSEEN_DRIFT}"
         if changed is not None:
             seen = f"changes by {changed:.2g} N until the end"
-        drift = 0.0 if self.learnt is None else self.learnt.sizes[DRIFT]
+        drift = 0.0 if self.learnt is None else self.learnt.sizes["drift"]
         return f"{seen}; error bars allow for {drift:g} N over a third of the recording" if drift else seen
 
     def _belief(self) -> list[str]:
         """The estimates, what is least known of them, and the verdicts."""
         weakest, edge = self.least_known, self.at_the_priors_edge
         return [
+            *in_words_of_tension(self.tension),
+            "",
             *self._estimates(),
             f"least known: {weakest['words']}, sd {weakest['sd']:.1%} (before: {weakest['prior_sd']:.0%})",
             f"enough recorded: {_enough_in_words(self.log_sd)}",
@@ -211,9 +222,16 @@ class Answer:
     def mapping(self) -> dict[str, Any]:
         """The answer as a program reads it: text, numbers, lists and None alone."""
         record, result = self.records[0], self.whole
-        _, tilt = defaults.model_of_geometry(record.jaw) or ("", None)
+        tension = {
+            name: {f"{one.opening_mm:g}_mm": one._asdict() for one in ones} for name, ones in self.tension.items()
+        }
+        learnt = None
+        if self.learnt is not None:
+            learnt = self.learnt.sizes | {"temperature": self.learnt.temperature}
+            learnt |= {"head_tilt_deg": tilt_of(self.learnt.jaw)}
         answer: dict[str, Any] = {
             "parameter_names": list(self.parameter_names),
+            "tension": tension,
             "log_mean": self.log_mean.tolist(),
             "log_cov": self.log_cov.tolist(),
             "prior_mean": record.prior.mean.tolist(),
@@ -229,10 +247,12 @@ class Answer:
             "least_known": self.least_known,
             "at_the_priors_edge": self.at_the_priors_edge,
             "verdicts": {name: _plain(verdict) for name, verdict in self.verdicts.items()},
+            "learnt": learnt,
             "assumed": {
                 "cohort": cohort_assumed(record),
                 "knowledge": {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0},
-                "head_tilt_deg": tilt,
+                "head_tilt_deg": tilt_of(record.jaw),
+                "mandible": size_in(record.jaw),
                 "force_sensor": record.force_sensor,
             },
             "versions": package_versions(),

@@ -14,6 +14,8 @@ from jawenv.ladder import MODELS
 from jawenv.recordings import defaults
 from jawenv.recordings.identification import LEAST_S, Identification, identified
 from jawenv.recordings.record import Record
+from jawenv.recordings.size import size_in
+from jawenv.recordings.untold.learnt import Learnt
 
 _LONG_S, PATIENCE_S = 60.0, 2.0
 """Length of a recording from which, and time after which, it is said that other patients are tried."""
@@ -47,9 +49,28 @@ def assumed_in_words(record: Record) -> str:
         patient = f"{name} (F_o {low.min():.2g}–{high.max():.2g} N)"
     level = next((level for level, sds in LEVELS.items() if sds == record.knowledge), None)
     known = "known within sds" if level is None else _KNOWN[level]
-    _, tilt = defaults.model_of_geometry(record.jaw) or ("", 0.0)
+    tilt, size = defaults.tilt_of(record.jaw), size_in(record.jaw)
+    known += "" if size == 1.0 else f", mandible {size:.2f} of the table's, by its motion"
     head = "upright" if abs(tilt) < 0.05 else f"pitched down by {tilt:.3g} degrees"
     return f"patient: {patient} · anatomy: {known} · head {head}"
+
+
+def learnt_in_words(record: Record, last: Learnt | None) -> str:
+    """What the recording itself shows of errors that nobody told, and how little its parts agree."""
+    if last is None:
+        return "nothing, the recording is too short or its readings contradict each other"
+    tilt = defaults.tilt_of(last.jaw)
+    sizes, force = last.sizes, max(last.sizes["constant"], last.sizes["shapes"])
+    said = {
+        f"lines of muscles {sizes['lines']:g} times as far from the table as a scan leaves them": sizes["lines"] > 1.0,
+        f"the head is pitched by {tilt:.0f} degrees": sizes["tilt"] > 1.0,
+        f"a force of {force:g} N that no muscle pulls": force > 0.0,
+        f"laws of muscles bent by {sizes['law']:.0%}: F_o and b are numbers of a law that this jaw does not follow": (
+            sizes["law"] > 0.0
+        ),
+        f"error bars {last.temperature**0.5:.1f} times as wide, since parts disagree": last.temperature > 1.0,
+    }
+    return "; ".join(words for words, there in said.items() if there) or "no error beyond what was assumed"
 
 
 def _fitting_cohort(record: Record) -> str | None:

@@ -10,17 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from jawenv.anatomy import Prior
 from jawenv.answers.answer import Answer
 from jawenv.base.errors import InputError
 from jawenv.base.files import read_mapping
 from jawenv.recordings.columns import FORCE, OPENING
-from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.estimate import Array, Estimate
-from jawenv.recordings.files import PathLike, load_record
+from jawenv.recordings.files import PathLike
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
 from jawenv.recordings.several.together import MOST, Agreement, agreement, combined, together
+from jawenv.recordings.size import load_bench
 from jawenv.recordings.table import RecordTable, checked_path, read_table
 from jawenv.recordings.untold.learnt import identified_with_errors
 from jawenv.recordings.words import WORDS
@@ -28,12 +29,16 @@ from jawenv.recordings.words import WORDS
 if TYPE_CHECKING:
     from jawenv.answers.stretcher import StretcherAnswer
 
+_WIDER = 2.0
+
 
 def identify(
     recordings: PathLike | Sequence[PathLike],
     *,
     cohort: Any = None,
     knowledge: Any = None,
+    anatomy: Any = None,
+    head_tilt_deg: float | None = None,
     columns: PathLike | None = None,
     resample_hz: float | None = None,
     before: PathLike | None = None,
@@ -41,13 +46,16 @@ def identify(
     """Estimate F_o and b of every muscle from a recording or several of one patient, with reasons for doubt.
 
     Sizes of errors that nobody told are learnt from the readings (docs/recordings.md). What is not said here is the
-    file's, or that of a person of whom nothing is known, with the anatomy of a scan.
+    file's, or that of a person of whom nothing is known: then the mandible's size is that of the motion. A prior at
+    whose edge the estimates lie is widened once.
 
     Args:
         recordings: a ``.csv`` or ``.parquet`` file, or 2 to 8 of one patient in one state; or a stretcher's log of
             force and opening.
         cohort: population that the patient is believed to come from.
         knowledge: what is known of anatomy and device.
+        anatomy: the patient's, as the environments take it.
+        head_tilt_deg: pitch of the head, positive looking down; -80 lies on the back.
         columns: mapping file with the names, units and signs that the files have.
         resample_hz: rows per second to which uneven times are interpolated.
         before: an earlier log of the same patient; with a log alone.
@@ -60,7 +68,8 @@ def identify(
     """
     several = isinstance(recordings, Sequence) and not isinstance(recordings, str)
     paths = [str(path) for path in recordings] if several else [str(recordings)]  # type: ignore[union-attr]
-    reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample_hz}
+    reading = {"cohort": cohort, "knowledge": knowledge, "anatomy": anatomy, "head_tilt_deg": head_tilt_deg}
+    reading |= {"columns": columns, "resample_hz": resample_hz}
     if not 1 <= len(paths) <= MOST:
         raise InputError(f"{len(paths)} recordings; allowed: 1 to {MOST}")
     tables = [read_table(checked_path(path), WORDS) for path in paths]
@@ -70,7 +79,7 @@ def identify(
         return answer_of_log(tables[0], reading, before)
     if before is not None:
         raise InputError("before is given with recordings of six coordinates; allowed: with a log of force and opening")
-    records = [load_record(table, BENCH, **reading) for table in tables]
+    records = [load_bench(table, **reading) for table in tables]
     _check_distinct(paths, records)
     each = []
     for number, (path, record) in enumerate(zip(paths, records, strict=True), 1):
@@ -82,7 +91,8 @@ def identify(
         each.append(identified_with_errors(record))
     found, learnt = [one for one, _ in each], each[0][1]
     if len(found) == 1:
-        return Answer((paths[0],), (records[0],), (found[0],), found[0], learnt, None)
+        answer = Answer((paths[0],), (records[0],), (found[0],), found[0], learnt, None)
+        return _widened(answer) if cohort is None and answer.at_the_priors_edge else answer
     agree, whole = _together(records, found)
     return Answer(tuple(paths), tuple(records), tuple(found), whole, None, agree)
 
@@ -91,6 +101,14 @@ def _is_log(table: RecordTable, columns: Path | None) -> bool:
     """Whether a file, or the mapping file to it, has an opening or one force in place of a mouthpiece's motion."""
     names = table.columns if columns is None else read_mapping(columns)
     return OPENING in names or FORCE in names
+
+
+def _widened(answer: Answer) -> Answer:
+    """The answer under a prior of twice the sds: a patient whom the cohort hardly has."""
+    (record,) = answer.records
+    record = replace(record, prior=Prior(record.prior.mean, _WIDER * record.prior.sd))
+    found, learnt = identified_with_errors(record)
+    return Answer(answer.paths, (record,), (found,), found, learnt, None)
 
 
 def _check_distinct(paths: Sequence[str], records: Sequence[Record]) -> None:

@@ -70,6 +70,8 @@ def _identify_command(
     ],
     cohort: options.Cohort = None,
     knowledge: options.Knowledge = None,
+    anatomy: options.Anatomy = None,
+    head_tilt: options.HeadTilt = None,
     columns: options.Columns = None,
     resample: options.Resample = None,
     before: Annotated[
@@ -90,7 +92,8 @@ def _identify_command(
     from jawenv.commands.outputs import answering
     from jawenv.commands.recordings import print_answer
 
-    reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample, "before": before}
+    reading = {"cohort": cohort, "knowledge": knowledge, "anatomy": anatomy, "head_tilt_deg": head_tilt}
+    reading |= {"columns": columns, "resample_hz": resample, "before": before}
     with answering(json) as output:
         return print_answer(recordings, reading, page, output)
 

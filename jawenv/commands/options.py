@@ -31,6 +31,13 @@ Knowledge = Annotated[
         metavar="NAME",
     ),
 ]
+Anatomy = Annotated[
+    Path | None,
+    typer.Option(help="File of the patient's anatomy; without one the motion tells the jaw's size.", metavar="FILE"),
+]
+HeadTilt = Annotated[
+    float | None, typer.Option("--head-tilt", help="Pitch of the head, looking down above 0; -80 lies.", metavar="DEG")
+]
 Columns = Annotated[
     Path | None,
     typer.Option(help="File with the names, units and signs that the recording has for ours.", metavar="FILE"),

@@ -60,7 +60,7 @@ def matching_models(parameter_names: tuple[str, ...]) -> list[Model]:
 
 def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
     """(model, head tilt in degrees) whose ``geometry`` this is, to rounding; None for any other jaw."""
-    tilt = float(np.degrees(np.arctan2(jaw["gravity"][0], -jaw["gravity"][2])))
+    tilt = tilt_of(jaw)
     for name in MODELS:
         candidate = geometry(name)
         if candidate.dtype != jaw.dtype:
@@ -69,6 +69,11 @@ def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
         if all(np.allclose(candidate[field], jaw[field], rtol=1e-9, atol=1e-12) for field in jaw.dtype.names):
             return name, tilt
     return None
+
+
+def tilt_of(jaw: Any) -> float:
+    """Pitch of the head in a jaw's record, degrees, positive looking down."""
+    return float(np.degrees(np.arctan2(jaw["gravity"][0], -jaw["gravity"][2])))
 
 
 def measurement_sd(device: Device) -> Array:

@@ -18,6 +18,8 @@ LARGEST_MISFIT = 1.0
 MOST_REFUSED = 0.05
 MOST_LEFT_OUT = 0.1
 LEAST_S = 0.5
+HOTTEST = 10.0
+"""Times that information was divided by until parts agreed, beyond which no number is believed."""
 EVERY = 5
 
 
@@ -34,6 +36,7 @@ class Identification:
     misfit: float  # the filter's alarm; it rings above 1
     findings: tuple[Finding, ...]  # what the recording shows before the filter
     rival: str = ""  # what explains the readings as well and is not believed, in words
+    temperature: float = 1.0  # what the information was divided by until parts of the recording agreed
 
     @property
     def doubts(self) -> list[str]:
@@ -47,6 +50,9 @@ class Identification:
             doubts.append(f"rows that teach: {self.learnt_s:.2g} s; allowed: {LEAST_S:g} s or more, off the teeth")
         if not self.misfit <= LARGEST_MISFIT:
             doubts.append(f"the readings do not fit the model: misfit {self.misfit:.3g}; allowed: {LARGEST_MISFIT:g}")
+        if not self.temperature <= HOTTEST:
+            parts = f"parts of the recording disagree by {self.temperature:.3g} times what chance makes"
+            doubts.append(f"{parts}; allowed: {HOTTEST:g}")
         if self.rival:
             doubts.append(f"{self.rival}; allowed: one explanation")
         for what, share, most in (

@@ -10,7 +10,7 @@ from jawenv.base.errors import InputError, shown
 from jawenv.recordings.table import RecordTable
 
 TEXTS = ("model", "cohort", "control", "force_sensor")
-OBJECTS = ("jaw", "device", "knowledge")
+OBJECTS = ("jaw", "anatomy", "device", "knowledge")
 NUMBERS: dict[str, tuple[int | str, float, float]] = {
     "head_tilt_deg": (0, -90.0, 90.0),
     "prior_mean": ("parameters", -20.0, 20.0),

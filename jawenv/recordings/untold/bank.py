@@ -1,6 +1,6 @@
-"""Sizes of errors that nobody told, each weighed by its evidence: a scan's, a wrench, a drift of zero, bent laws.
+"""Sizes of errors that nobody told, each weighed by its evidence: a scan's, a wrench, a drift, lines, tilt, bent laws.
 
-For every five sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
+For every seven sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
 probable values a normal belief is laid (Laplace). Beforehand 0.9 of the weight is on a size of zero, also of a wrench
 that the filter was told of: a fixed sd of 0.1 N would double the error bars of recordings that need none.
 """
@@ -17,17 +17,19 @@ from jawenv.recordings.untold.blocks import Blocks
 from jawenv.recordings.untold.definite import factor
 from jawenv.recordings.untold.law import bends, tensions
 
-_SCANS = (0.0, 1.0)
-_CONSTANTS = (0.0, 0.03, 0.1, 0.3)
-_SHAPES = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0)
-_DRIFTS = (0.0, 0.3, 1.0)
 LAWS = (0.0, 0.03, 0.1, 0.3)
-LEVELS = _SCANS, _CONSTANTS, _SHAPES, _DRIFTS, LAWS
-DRIFT = 3
-SIZES = np.array(list(product(*LEVELS)))
-"""(576, 5) share of a scan's sds; sds of a wrench's constants, N, of its other shapes, N, of the drift of the cell's
-zero over a third of the recording, N; of bends, share of a tension.
-"""
+LEVELS = {
+    "scan": (0.0, 1.0),  # share of a scan's sds
+    "constant": (0.0, 0.1, 0.3),  # sd of a wrench's constants, N
+    "shapes": (0.0, 0.1, 1.0),  # of its other shapes, N
+    "drift": (0.0, 1.0),  # of the cell's zero over a third of the recording, N
+    "lines": (1.0, 3.0, 10.0),  # sds of attachments over a scan's: 10 is the table's mean anatomy
+    "tilt": (1.0, 10.0),  # sd of the head's pitch over that of a head that is told upright
+    "law": LAWS,  # sd of bends, share of a tension
+}
+"""Name of each size -> its levels; the first is the usual one."""
+SIZES = np.array([sizes for sizes in product(*LEVELS.values()) if sizes[0] > 0.0 or sizes[4] == sizes[5] == 1.0])
+"""(504, 7) sizes; laws vary first."""
 _TOLD = 0.9
 _EFFORT, _LONG = (12, 6), (80, 14)
 """Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
@@ -47,8 +49,8 @@ class Mixture:
     cov: Array  # (p, p)
     weights: Array  # (N,) of the sizes
     best: Array  # (p,) the mean under the most probable sizes
-    sizes: Array  # (5,) these
-    every: Array  # (N, 5) all sizes
+    sizes: Array  # (7,) these
+    every: Array  # (N, 7) all sizes
     information: Array  # (c, c) about the tensions under the most probable sizes
     score: Array  # (c,) the same
 
@@ -108,8 +110,8 @@ def mixture(blocks: Blocks, temperature: float) -> Mixture:
 def _beforehand(sizes: Array) -> Array:
     """(N,) logarithms of the weights before anything is read; a wrench that the filter was told of is learnt too."""
     weights = np.zeros(len(sizes))
-    for j, levels in enumerate(LEVELS):
-        weights += np.where(sizes[:, j] == 0.0, np.log(_TOLD), np.log((1.0 - _TOLD) / (len(levels) - 1)))
+    for j, levels in enumerate(LEVELS.values()):
+        weights += np.where(sizes[:, j] == levels[0], np.log(_TOLD), np.log((1.0 - _TOLD) / (len(levels) - 1)))
     return weights
 
 

@@ -41,7 +41,8 @@ N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
 _STRETCHES = 3  # of a recording, over each of which the load cell's zero may drift by a number of its own
 N_OF_DRIFT = _STRETCHES * _N_CONSTANT
-_LINEAR = 1.2  # prior sds of an unknown from its nominal value within which the motion is linearised
+_MOST_ENDS = 30.0  # sds of a scan by which an end may be off, as the table's are
+_LINEAR = 1.2  # prior sds of another unknown from its nominal value within which the motion is linearised
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,9 @@ class Blocks:
     score: Array  # (B, n)
     poses: Array  # (B, 5) at their ends
     own: NDArray[np.bool_]  # (n - c,) which columns behind the tensions are the patient's own
+    ends: NDArray[np.bool_]  # (n - c,) which of them move ends of muscles
+    tilt: NDArray[np.bool_]  # (n - c,) which one turns gravity
+    by_end: Array  # (2, n - c, lines, 3) m by which each of them moves origins and insertions
     gain_sd: float  # of the load cell's gain error
     told_scan: bool  # whether the filter knew of the other unknowns: then their sds are those that it has
     told_wrench: float  # sd of the wrench that it knew of, N
@@ -71,7 +75,7 @@ class Blocks:
 
     def unknowns(self) -> Array:
         """(n - c,) most probable values of the columns behind the tensions, for the muscles of the point."""
-        sds, c = self.sds(np.array([[1.0, self.told_wrench, self.told_wrench, 0.0, 0.0]]))[0], self.tensions
+        sds, c = self.sds(np.array([[1.0, self.told_wrench, self.told_wrench, 0.0, 1.0, 1.0, 0.0]]))[0], self.tensions
         inner = sds[:, None] * self.information.sum(axis=0)[c:, c:] * sds + np.eye(len(sds))
         values: Array = sds * np.linalg.solve(inner, sds * self.score.sum(axis=0)[c:])
         return values
@@ -79,11 +83,12 @@ class Blocks:
     def sds(self, sizes: Array) -> Array:
         """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``bank.SIZES``."""
         others = self.score.shape[1] - self.tensions - 1 - N_OF_DRIFT - N_OF_WRENCH
-        scan, constant, shapes, drift = (sizes[:, j, None] for j in range(4))
+        scan, constant, shapes, drift, ends, tilt = (sizes[:, j, None] for j in range(6))
         gain = np.full((len(sizes), 1), self.gain_sd)
         known = np.repeat(np.ones_like(scan) if self.told_scan else scan, others, axis=1)
         wrench = np.repeat(constant, _N_CONSTANT, axis=1), np.repeat(shapes, N_OF_WRENCH - _N_CONSTANT, axis=1)
-        return np.hstack([gain, known, np.repeat(drift, N_OF_DRIFT, axis=1), *wrench])
+        sds = np.hstack([gain, known, np.repeat(drift, N_OF_DRIFT, axis=1), *wrench])
+        return sds * np.where(self.ends, ends, 1.0) * np.where(self.tilt, tilt, 1.0)
 
 
 def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blocks:
@@ -112,15 +117,20 @@ def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blo
 def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> Blocks:
     """The blocks about given values of the columns behind the tensions."""
     nuisances, jaw, states = settings["nuisances"], record.jaw, len(record.start_mean)
-    muscles, lines = len(record.parameter_names) // 2, len(jaw["l_o"])
+    muscles, lines_of_jaw = len(record.parameter_names) // 2, len(jaw["l_o"])
     sizes = len(nuisances["mass"]), len(settings["disturbance_variance"])
-    belief: Any = record_zeros(1, belief_dtype(muscles, states, lines, *sizes))[0]
-    scratch: Any = record_zeros(1, filter_scratch_dtype(muscles, lines, states, *sizes))[0]
+    belief: Any = record_zeros(1, belief_dtype(muscles, states, lines_of_jaw, *sizes))[0]
+    scratch: Any = record_zeros(1, filter_scratch_dtype(muscles, lines_of_jaw, states, *sizes))[0]
     rows: Any = record_zeros(len(record.time), ROW)
     rows["measured"], rows["samples"][1:], belief["began"] = record.measured, record.samples, record.start_mean
     order, steps = _order(muscles * N_NODES, nuisances), np.zeros(len(belief["score"]))
     of_motion = np.delete(unknowns[1:], slice(-N_OF_WRENCH - N_OF_DRIFT, -N_OF_WRENCH))
-    steps[order[-sizes[0] :]] = np.clip(of_motion, -_LINEAR, _LINEAR)
+    c, lines = muscles * N_NODES, nuisances["line"] >= 0
+    of_nuisances = slice(c + 1, c + 1 + sizes[0])
+    steps[order[-sizes[0] :]] = of_motion
+    most = np.where(lines, _MOST_ENDS, _LINEAR)
+    steps[of_nuisances] = np.clip(steps[of_nuisances], -most, most)
+    jaw = _with_ends(jaw, nuisances, steps[of_nuisances])
     if sizes[1]:  # beside a disturbance with memory these stay where they are (``learn.recentre``)
         steps[muscles * N_NODES + 1 :][: sizes[0]][nuisances["at_rest"] == 0] = 0.0
     every = max(1, round(BLOCK_S / record.dt), -(-len(record.samples) // MOST_BLOCKS))
@@ -132,12 +142,21 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     information = np.diff(information[:, order][:, :, order], axis=0, prepend=0.0)
     score = np.diff(kept[1][:, order], axis=0, prepend=0.0) + information @ steps[order]
     information, score = _drifting(information, score)
-    own = _own(nuisances)[order[muscles * N_NODES :] - muscles * N_NODES]
+    by_end = np.zeros((2, len(steps) - c, lines_of_jaw, 3))
+    for moved, name in zip(by_end, ("origin", "insertion"), strict=True):
+        moved[1 : 1 + sizes[0]] = nuisances[name].reshape(sizes[0], -1, 3)
+    by_end = np.insert(by_end[:, order[c:] - c], [len(order) - c - N_OF_WRENCH] * N_OF_DRIFT, 0.0, axis=1)
+    tilting = np.append(False, np.abs(nuisances["gravity"]).max(axis=1) > 0.0)
+    masks = np.array([_own(nuisances), np.append(False, lines), tilting])[:, order[c:] - c]
+    own, ends, tilt = np.insert(masks, [masks.shape[1] - N_OF_WRENCH] * N_OF_DRIFT, False, axis=1)
     return Blocks(
         information=information,
         score=score,
         poses=kept[2],
-        own=np.insert(own, [len(own) - N_OF_WRENCH] * N_OF_DRIFT, False),
+        own=own,
+        ends=ends,
+        tilt=tilt,
+        by_end=by_end,
         gain_sd=float(np.sqrt(settings["gain_variance"])),
         told_scan=not record.knowledge.exact,
         told_wrench=record.knowledge.wrench_N,
@@ -147,6 +166,19 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
         prior_mean=record.prior.mean,
         prior_sd=record.prior.sd,
     )
+
+
+def _with_ends(jaw: Any, nuisances: Any, steps: Array) -> Any:
+    """A copy of the jaw whose lines are as long as ends moved by ``steps`` make them; derivatives are taken there."""
+    lines, shape = nuisances["line"] >= 0, (len(steps), len(jaw["l_o"]), 3)
+    by_end = nuisances["origin"].reshape(shape) - nuisances["insertion"].reshape(shape)
+    along = jaw["origin"] - jaw["insertion"] + np.tensordot(steps * lines, by_end, 1)
+    length = np.linalg.norm(along, axis=1)
+    longer = np.einsum("lk,jlk->jl", along / length[:, None], by_end)
+    nuisances["l_o"][lines] = longer[lines]
+    changed = jaw.copy()
+    changed["l_o"] = length - (steps * lines) @ longer
+    return changed
 
 
 def _drifting(information: Array, score: Array) -> tuple[Array, Array]:

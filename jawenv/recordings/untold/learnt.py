@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from jawenv.base.errors import InputError
-from jawenv.recordings.defaults import UNMODELLED_TIME
+from jawenv.mechanics.building import gravity_in_head
+from jawenv.recordings.defaults import UNMODELLED_TIME, tilt_of
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import divided
-from jawenv.recordings.untold.bank import Mixture, mixture
+from jawenv.recordings.untold.bank import LEVELS, Mixture, mixture
 from jawenv.recordings.untold.blocks import Blocks, blocks_of
 from jawenv.recordings.untold.shown import Shown, shown
 from jawenv.recordings.untold.temperature import excess, joint_of
@@ -22,6 +24,8 @@ _ROUNDS, _ENOUGH = 4, 1.02
 _BENT = 3.0
 """Largest ``Mixture.bend`` of a normal that becomes the belief."""
 _MOVED = 0.1  # of a natural logarithm, from where the motion is linearised anew
+_PASSES, _STAYED = 6, 0.5  # until ends and a tilt that are far off stay where they are, in sds of a scan
+_LINES, _TILT = (list(LEVELS).index(name) for name in ("lines", "tilt"))
 _FEWEST = 10
 """Blocks of which groups can be left out."""
 _CONTRADICTION = "errors that nobody told cannot be weighed, the readings contradict each other"
@@ -33,7 +37,9 @@ class Learnt:
 
     mean: Array  # (p,) natural logs; the filter's own where no normal describes what the readings allow
     cov: Array  # (p, p) the same
-    sizes: Array  # (5,) the most probable, see ``bank.SIZES``
+    sizes: dict[str, float]  # the most probable, see ``bank.LEVELS``
+    temperature: float  # what the information was divided by
+    jaw: Any  # the record's, with ends of muscles and the head's tilt as the readings have them
     shown: Shown  # the reasons, to be drawn
     rival: Array | None  # (p,) parameters that explain the readings as well, and that the belief excludes
 
@@ -54,13 +60,43 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
     if len(blocks.score) < _FEWEST or not np.isfinite(blocks.information).all():
         return None
     found, temperature, spread = weighed(blocks)
-    if np.abs(found.best - blocks.point).max() > _MOVED:
-        values = joint_of(blocks, found.best, found.sizes, temperature).values
-        blocks = blocks_of(record, found.best, values[blocks.tensions :])
+    unknowns = np.zeros(blocks.score.shape[1] - blocks.tensions)
+    for number in range(_PASSES):
+        values = joint_of(blocks, found.best, found.sizes, temperature).values[blocks.tensions :]
+        near = np.abs(found.best - blocks.point).max() <= _MOVED
+        far = blocks.ends | blocks.tilt
+        stayed = number > 0 and np.abs(values - unknowns)[far].max(initial=0.0) < _STAYED
+        usual = found.sizes[_LINES] == found.sizes[_TILT] == 1.0
+        if near and (usual or stayed):
+            break
+        if not usual:
+            record = _tilted(record, float(values[blocks.tilt].sum()))
+            values[blocks.tilt] = 0.0
+        unknowns, blocks = values, blocks_of(record, found.best, values)
         found, temperature, spread = weighed(blocks)
     if found.bend(blocks) <= _BENT:
         mean, cov = found.mean, spread * found.cov
-    return Learnt(mean, cov, found.sizes, shown(blocks, found, temperature), found.rival(blocks, mean, cov))
+    sizes, rival = dict(zip(LEVELS, found.sizes.tolist(), strict=True)), found.rival(blocks, mean, cov)
+    shows = shown(blocks, found, temperature)
+    jaw = _with_ends(record.jaw, blocks, values) if sizes["lines"] > 1.0 else record.jaw
+    return Learnt(mean, cov, sizes, temperature, jaw, shows, rival)
+
+
+def _with_ends(jaw: Any, blocks: Blocks, values: Array) -> Any:
+    """A copy of the jaw with ends of muscles moved by ``values`` (n - c,) of the unknowns."""
+    moved = jaw.copy()
+    moved["origin"] += np.tensordot(values, blocks.by_end[0], 1)
+    moved["insertion"] += np.tensordot(values, blocks.by_end[1], 1)
+    moved["l_o"] = np.linalg.norm(moved["origin"] - moved["insertion"], axis=1)
+    return moved
+
+
+def _tilted(record: Record, sds: float) -> Record:
+    """The record of a head that is pitched down by so many sds more."""
+    jaw = record.jaw.copy()
+    tilt = tilt_of(jaw) + sds * record.knowledge.head_tilt_deg
+    jaw["gravity"] = gravity_in_head(float(np.linalg.norm(jaw["gravity"])), tilt)
+    return replace(record, jaw=jaw)
 
 
 def weighed(blocks: Blocks) -> tuple[Mixture, float, float]:
@@ -85,9 +121,11 @@ def identified_with_errors(record: Record) -> tuple[Identification, Learnt | Non
         return replace(found, rival=_CONTRADICTION), None
     if last is None:
         return found, None
+    if last.sizes["lines"] > 1.0 or last.sizes["tilt"] > 1.0:  # the gate and the alarm judge by the jaw that was learnt
+        found = replace(identified(replace(record, jaw=last.jaw)), estimate=found.estimate)
     mean[-1], cov[-1] = last.mean, last.cov
     estimate = replace(found.estimate, mean=mean, cov=cov)
-    return replace(found, estimate=estimate, rival=_in_words(record, last)), last
+    return replace(found, estimate=estimate, rival=_in_words(record, last), temperature=last.temperature), last
 
 
 def _in_words(record: Record, last: Learnt) -> str:

@@ -1,0 +1,114 @@
+"""Closing force at the incisors and its stiffness, by muscle, side and in all, at openings that a recording reached.
+
+Where a jaw follows another law than the exponential, F_o and b are numbers of a law that is not its own. What its
+muscles pull with at openings that were seen is known all the same.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jawenv.mechanics.newton_euler import muscle_lengths
+from jawenv.mechanics.passive_opening import opening_of
+from jawenv.recordings.defaults import motion_of_reading
+from jawenv.recordings.estimate import Array
+from jawenv.recordings.record import Record
+
+OPENINGS_MM = (10.0, 20.0, 30.0)
+_ROWS, _STEPS = 60, 61
+
+
+class Tension(NamedTuple):
+    """Closing force at the incisors along the recorded way of opening, where it balances a muscle's pull."""
+
+    opening_mm: float
+    force_N: float
+    force_sd_N: float
+    stiffness_N_mm: float  # growth with the opening
+    stiffness_sd_N_mm: float
+
+
+def tensions_of(record: Record, log_mean: Array, log_cov: Array) -> dict[str, list[Tension]]:
+    """Forces of each muscle, ``left``, ``right`` and ``all`` at ``OPENINGS_MM``, as far as the recording went.
+
+    The force at the incisors does the work of the muscle's: its tension times the line's growth with the opening
+    (virtual work). Error bars are those of the belief, carried on linearly; beyond the largest opening nothing is said.
+
+    Args:
+        record: of the jaw that was believed.
+        log_mean: (p,) natural logs of F_o and b.
+        log_cov: (p, p) their covariance.
+    """
+    opening, strain, growth = _along_the_way(record)
+    asked = [mm for mm in OPENINGS_MM if mm <= 1e3 * opening.max()]
+    muscle = record.jaw["muscle"]
+    by_log = [_by_parameters(1e-3 * mm, opening, strain, growth, log_mean, muscle) for mm in asked]
+    names = [name.removeprefix("log_F_o/") for name in record.parameter_names[::2]]
+    groups = {name: np.array([one == name for one in names]) for name in names}
+    for side in ("left", "right"):
+        if any(name.endswith(side) for name in names):
+            groups[side] = np.array([name.endswith(side) for name in names])
+    groups["all"] = np.ones(len(names), dtype=bool)
+    found: dict[str, list[Tension]] = {}
+    for group, members in groups.items():
+        chosen = np.repeat(members, 2)
+        found[group] = []
+        for mm, (values, gradients) in zip(asked, by_log, strict=True):
+            rows = gradients * chosen
+            sds = np.sqrt(np.einsum("ki,ij,kj->k", rows, log_cov, rows))
+            force, stiffness = values[:, members].sum(axis=1)
+            found[group].append(Tension(mm, float(force), float(sds[0]), float(stiffness), float(sds[1])))
+    return found
+
+
+def _along_the_way(record: Record) -> tuple[Array, Array, Array]:
+    """Opening (K,) m, strains (K, lines) and growth of the lines with the opening (K, lines), of the midline's motion.
+
+    The condyles slide with the pitch as they did in the recording.
+    """
+    jaw, read = record.jaw, np.flatnonzero(np.isfinite(record.measured[:, :6]).all(axis=1))
+    rows = record.measured[read[np.linspace(0, len(read) - 1, min(_ROWS, len(read))).astype(int)]]
+    poses = np.array([motion_of_reading(jaw, row, record.measurement_sd)[:5] for row in rows])
+    pitch = poses[:, 2]
+    shapes = np.column_stack([pitch, pitch**2])
+    slide = np.linalg.lstsq(shapes, poses[:, 0], rcond=None)[0]
+    theta = np.linspace(0.0, max(float(pitch.max()), 1e-3), _STEPS)
+    way = np.zeros((_STEPS, 5))
+    way[:, 2], way[:, 0] = theta, np.column_stack([theta, theta**2]) @ slide
+    opening = np.array([opening_of(jaw, pose) for pose in way])
+    lengths = muscle_lengths(jaw, way)
+    return opening, lengths / jaw["l_o"] - 1.0, np.gradient(lengths, opening, axis=0)
+
+
+def _by_parameters(
+    at: float, opening: Array, strain: Array, growth: Array, log_mean: Array, muscle: Array
+) -> tuple[Array, Array]:
+    """Force, N, and stiffness, N/mm, (2, M) of each muscle at an opening, m; their derivatives (2, p) by the logs."""
+    F_o, b = np.exp(log_mean.reshape(-1, 2)[muscle]).T
+    pulled = F_o * np.exp(b * strain) * growth
+    steeper = b * strain * pulled  # by log b
+    count = len(log_mean) // 2
+    values, gradients = np.zeros((2, count)), np.zeros((2, len(log_mean)))
+    for row, scale in ((0, 1.0), (1, 1e-3)):
+        curves = (pulled, steeper) if row == 0 else tuple(np.gradient(c, opening, axis=0) for c in (pulled, steeper))
+        for line, owner in enumerate(muscle):
+            force, by_b = (scale * float(np.interp(at, opening, curve[:, line])) for curve in curves)
+            values[row, owner] += force
+            gradients[row, 2 * owner] += force
+            gradients[row, 2 * owner + 1] += by_b
+    return values, gradients
+
+
+def in_words(found: dict[str, list[Tension]]) -> list[str]:
+    """A table: force and its error bar, and the stiffness, at each opening."""
+    reached = next(iter(found.values()))
+    if not reached:
+        return [f"closing force at the incisors: the recording opens by less than {OPENINGS_MM[0]:g} mm"]
+    title = "closing force at the incisors, N (stiffness, N/mm)"
+    lines = [f"{title:32}" + "".join(f"{f'{one.opening_mm:g} mm':>22}" for one in reached)]
+    for group, ones in found.items():
+        cells = (f"{one.force_N:.2f} ± {one.force_sd_N:.2f} ({one.stiffness_N_mm:.3f})" for one in ones)
+        lines.append(f"{group:32}" + "".join(f"{cell:>22}" for cell in cells))
+    return lines

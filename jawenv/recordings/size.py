@@ -1,0 +1,117 @@
+"""Size of a jaw from its motion alone: the mouthpiece turns about condyles that slide on the fossa, whatever forces do.
+
+The height of a point s times as far from the condyles as the table's is known at every pose, so that one number fits
+all rows, beside the fossa's two, the mouthpiece's seat and its pitch, each within what a scan leaves of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from jawenv.anatomy.attachments import attachment
+from jawenv.anatomy.description import Anatomy
+from jawenv.anatomy.mandible import default_fossa, default_mandible
+from jawenv.anatomy.muscles import PORTIONS, SIDES
+from jawenv.recordings.defaults import BENCH
+from jawenv.recordings.estimate import Array
+from jawenv.recordings.files import PathLike, load_record
+from jawenv.recordings.record import Record
+from jawenv.recordings.table import RecordTable, checked_path, read_table
+from jawenv.recordings.words import WORDS
+
+SMALLEST, LARGEST = 0.6, 1.5
+UNTOLD = 0.02
+"""A size nearer to 1 is that of the table: honest jaws of that size are found within 0.013."""
+_HEIGHT_SD = 0.2e-3  # m, of errors that last
+_FOSSA_SD, _SEAT_SD, _PITCH_SD = 0.1, 0.5e-3, np.radians(0.5)
+_ROWS, _TELLING = 100, 30.0  # that are fitted; rows with errors of their own, as which all count
+_LEAST_PITCH = 0.05  # rad that the jaw turns by, or its size is not seen
+
+
+def load_bench(path: PathLike | RecordTable, **reading: Any) -> Record:
+    """Read a bench's recording, as ``load_record`` does; where nothing says its anatomy, of the size that it shows."""
+    table = path if isinstance(path, RecordTable) else read_table(checked_path(path), WORDS)
+    record = load_record(table, BENCH, **reading)
+    given = reading.get("anatomy") is not None or "jaw" in table.header or "anatomy" in table.header
+    size = 1.0 if given or record.knowledge.exact else size_of(record)
+    return record if size == 1.0 else load_record(table, BENCH, **(reading | {"anatomy": sized(size)}))
+
+
+def size_in(jaw: Any) -> float:
+    """Size over the table's of a record's jaw that is the table's but for that; 1 for any other."""
+    size = float(jaw["mouthpiece"][0] / default_mandible().mouthpiece_m[0])
+    same = np.allclose(jaw["teeth"], size * default_mandible().teeth_m) and np.isclose(
+        jaw["mass"], size**3 * default_mandible().mass_kg
+    )
+    return size if same else 1.0
+
+
+def size_of(record: Record) -> float:
+    """Size over the table's of the jaw that moves so; 1 where it hardly moves, or within ``UNTOLD``.
+
+    Args:
+        record: with places and angles of the mouthpiece.
+    """
+    pose = record.measured[np.isfinite(record.measured[:, :6]).all(axis=1), :6]
+    if len(pose) < _ROWS or np.ptp(pose[:, 3]) < _LEAST_PITCH:
+        return 1.0
+    pose = pose[np.linspace(0, len(pose) - 1, _ROWS).astype(int)]
+    weight = np.sqrt(_TELLING / len(pose)) / _HEIGHT_SD
+
+    def residuals(guess: Array) -> Array:
+        return np.append(weight * _height_error(pose[:, :3], pose[:, 3:], guess), guess[1:])
+
+    low, high = np.array([SMALLEST, *[-4.0] * 5]), np.array([LARGEST, *[4.0] * 5])
+    starts = np.linspace(0.75, 1.3, 12)
+    begun = min(starts, key=lambda size: float(np.square(residuals(np.array([size, *[0.0] * 5]))).sum()))
+    size = float(least_squares(residuals, [begun, *[0.0] * 5], bounds=(low, high)).x[0])
+    return 1.0 if abs(size - 1.0) < UNTOLD else size
+
+
+def _height_error(place: Array, angles: Array, guess: Array) -> Array:
+    """(N,) m by which the condyles are above the fossa at the poses read, for size, fossa, seat and pitch."""
+    size, depth, frequency, seat_x, seat_z, pitch = guess
+    fossa, own = default_fossa(), default_mandible().mouthpiece_m
+    shift = _SEAT_SD * np.array([seat_x, seat_z])  # the encoders are zeroed with the teeth together
+    x, z = size * own[0] + shift[0], size * own[2] + shift[1]
+    theta, psi, phi = (angles + np.array([_PITCH_SD * pitch, 0.0, 0.0])).T
+    across, upward = _turned(theta, psi, phi, x, z)
+    along = place[:, 0] + shift[0] - across
+    drop = size * fossa.drop_m * np.exp(_FOSSA_SD * depth)
+    wave = fossa.spatial_frequency / size * np.exp(_FOSSA_SD * frequency)
+    error: Array = place[:, 2] + shift[1] - upward - drop * (np.cos(wave * along) - 1.0)
+    return error
+
+
+def _turned(theta: Array, psi: Array, phi: Array, x: float, z: float) -> tuple[Array, Array]:
+    """Fore-aft and height (N,) of a midline point of the body, turned by pitch, yaw and roll."""
+    across = np.cos(theta) * np.cos(psi) * x
+    across += (np.cos(theta) * np.sin(psi) * np.sin(phi) + np.sin(theta) * np.cos(phi)) * z
+    upward = -np.sin(theta) * np.cos(psi) * x
+    return across, upward + (-np.sin(theta) * np.sin(psi) * np.sin(phi) + np.cos(theta) * np.cos(phi)) * z
+
+
+def sized(size: float) -> Anatomy:
+    """The table's anatomy at another size: lengths as ``size``, masses as its cube."""
+    mandible, fossa = default_mandible(), default_fossa()
+    lines = {}
+    for portion in PORTIONS:
+        for side in SIDES:
+            line = attachment(portion, side)
+            ends = size * line.origin_m, size * line.insertion_m
+            lines[f"{portion}_{side}"] = replace(line, origin_m=ends[0], insertion_m=ends[1])
+    body = replace(
+        mandible,
+        mass_kg=size**3 * mandible.mass_kg,
+        inertia_kg_m2=size**5 * mandible.inertia_kg_m2,
+        centre_of_mass_m=size * mandible.centre_of_mass_m,
+        mouthpiece_m=size * mandible.mouthpiece_m,
+        teeth_m=size * mandible.teeth_m,
+        condyle_half_width_m=size * mandible.condyle_half_width_m,
+    )
+    path = replace(fossa, drop_m=size * fossa.drop_m, spatial_frequency=fossa.spatial_frequency / size)
+    return Anatomy(lines, body, path)
