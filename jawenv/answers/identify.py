@@ -15,15 +15,16 @@ from jawenv.answers.answer import Answer
 from jawenv.base.errors import InputError
 from jawenv.base.files import read_mapping
 from jawenv.recordings.columns import FORCE, OPENING
+from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.estimate import Array, Estimate
-from jawenv.recordings.files import PathLike
+from jawenv.recordings.files import PathLike, load_record
 from jawenv.recordings.identification import Identification
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
 from jawenv.recordings.several.together import MOST, Agreement, agreement, combined, together
-from jawenv.recordings.size import load_bench
+from jawenv.recordings.size import in_its_size
 from jawenv.recordings.table import RecordTable, checked_path, read_table
-from jawenv.recordings.untold.learnt import identified_with_errors
+from jawenv.recordings.untold.learnt import Learnt, identified_with_errors
 from jawenv.recordings.words import WORDS
 
 if TYPE_CHECKING:
@@ -79,16 +80,17 @@ def identify(
         return answer_of_log(tables[0], reading, before)
     if before is not None:
         raise InputError("before is given with recordings of six coordinates; allowed: with a log of force and opening")
-    records = [load_bench(table, **reading) for table in tables]
+    records = [load_record(table, BENCH, **reading) for table in tables]
     _check_distinct(paths, records)
-    each = []
+    each = list[tuple[Identification, Learnt | None]]()
     for number, (path, record) in enumerate(zip(paths, records, strict=True), 1):
         rate = findings(record)[0]
         if not rate.plausible:
             raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
         if len(paths) > 1:
             print(f"reads {path}, {number} of {len(paths)}", file=sys.stderr, flush=True)
-        each.append(identified_with_errors(record))
+        records[number - 1], one, errors = _identified(tables[number - 1], record, reading)
+        each.append((one, errors))
     found, learnt = [one for one, _ in each], each[0][1]
     if len(found) == 1:
         answer = Answer((paths[0],), (records[0],), (found[0],), found[0], learnt, None)
@@ -101,6 +103,19 @@ def _is_log(table: RecordTable, columns: Path | None) -> bool:
     """Whether a file, or the mapping file to it, has an opening or one force in place of a mouthpiece's motion."""
     names = table.columns if columns is None else read_mapping(columns)
     return OPENING in names or FORCE in names
+
+
+def _identified(
+    table: RecordTable, record: Record, reading: dict[str, Any]
+) -> tuple[Record, Identification, Learnt | None]:
+    """The recording and its identification; of a jaw of its own size where one of the table's is not believed."""
+    found, learnt = identified_with_errors(record)
+    own = None if found.believable else in_its_size(table, record, **reading)
+    if own is not None:
+        again, sizes = identified_with_errors(own)
+        if again.believable:
+            return own, again, sizes
+    return record, found, learnt
 
 
 def _widened(answer: Answer) -> Answer:

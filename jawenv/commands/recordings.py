@@ -11,7 +11,8 @@ from jawenv.answers.identify import identify
 from jawenv.base.errors import InputError
 from jawenv.base.extras import of_the_clone
 from jawenv.commands.outputs import Output, check_outputs
-from jawenv.recordings.size import load_bench
+from jawenv.recordings.defaults import BENCH
+from jawenv.recordings.files import load_record
 
 NOT_BELIEVABLE = 3
 PAGE = "eval.patient.recordings"  # writes a patient's page
@@ -57,7 +58,7 @@ def look_at(path: Path, reading: Mapping[str, Any]) -> int:
     """
     from jawenv.recordings.doctor.examination import examined
 
-    checks = examined(load_bench(path, **reading))
+    checks = examined(load_record(path, BENCH, **reading))
     for one in checks:
         print(f"{'ok     ' if one.fine else 'LOOK AT'} {one.what:7} {one.value}")
         if not one.fine:

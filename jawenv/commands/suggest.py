@@ -11,7 +11,8 @@ from jawenv.answers.answer import least_known
 from jawenv.base.errors import InputError
 from jawenv.base.files import check_kept
 from jawenv.playing.maneuvers.written import save_maneuver
-from jawenv.recordings.size import load_bench
+from jawenv.recordings.defaults import BENCH
+from jawenv.recordings.files import load_record
 from jawenv.suggesting.lead import led_back
 from jawenv.suggesting.suggestion import BESIDE, suggest
 
@@ -31,7 +32,7 @@ def suggest_next(path: Path, output: Path, wanted: dict[str, Any], reading: dict
     if output.exists() and not overwrite:
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
     check_kept(output, [path, *reading.values()])
-    record = load_bench(path, **reading)
+    record = load_record(path, BENCH, **reading)
     found = suggest(record, **wanted, told=partial(print, file=sys.stderr, flush=True))
     maneuver, before = led_back(record, found)
     save_maneuver(maneuver, output)

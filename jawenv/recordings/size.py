@@ -18,27 +18,35 @@ from jawenv.anatomy.mandible import default_fossa, default_mandible
 from jawenv.anatomy.muscles import PORTIONS, SIDES
 from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.estimate import Array
-from jawenv.recordings.files import PathLike, load_record
+from jawenv.recordings.files import load_record
 from jawenv.recordings.record import Record
-from jawenv.recordings.table import RecordTable, checked_path, read_table
-from jawenv.recordings.words import WORDS
+from jawenv.recordings.table import RecordTable
 
 SMALLEST, LARGEST = 0.6, 1.5
-UNTOLD = 0.02
-"""A size nearer to 1 is that of the table: honest jaws of that size are found within 0.013."""
+UNTOLD, SURE_SDS = 0.02, 3.0
+"""A size nearer to 1, or by fewer of its sds away, is that of the table."""
+MOUTHPIECE_MM = 1.0
 _HEIGHT_SD = 0.2e-3  # m, of errors that last
 _FOSSA_SD, _SEAT_SD, _PITCH_SD = 0.1, 0.5e-3, np.radians(0.5)
 _ROWS, _TELLING = 100, 30.0  # that are fitted; rows with errors of their own, as which all count
 _LEAST_PITCH = 0.05  # rad that the jaw turns by, or its size is not seen
 
 
-def load_bench(path: PathLike | RecordTable, **reading: Any) -> Record:
-    """Read a bench's recording, as ``load_record`` does; where nothing says its anatomy, of the size that it shows."""
-    table = path if isinstance(path, RecordTable) else read_table(checked_path(path), WORDS)
-    record = load_record(table, BENCH, **reading)
+def in_its_size(table: RecordTable, record: Record, **reading: Any) -> Record | None:
+    """The recording of a jaw of the size that its motion shows; None where that is the table's, or was given.
+
+    Args:
+        table: of the file.
+        record: as read of a jaw of the table's size.
+        **reading: arguments of ``load_record``.
+    """
     given = reading.get("anatomy") is not None or "jaw" in table.header or "anatomy" in table.header
     size = 1.0 if given or record.knowledge.exact else size_of(record)
-    return record if size == 1.0 else load_record(table, BENCH, **(reading | {"anatomy": sized(size)}))
+    if size == 1.0:
+        return None
+    again = load_record(table, BENCH, **(reading | {"anatomy": sized(size)}))
+    place = max(again.knowledge.mouthpiece_mm, MOUTHPIECE_MM)  # a size off by 1 % moves it so far
+    return replace(again, knowledge=replace(again.knowledge, mouthpiece_mm=place))
 
 
 def size_in(jaw: Any) -> float:
@@ -68,8 +76,9 @@ def size_of(record: Record) -> float:
     low, high = np.array([SMALLEST, *[-4.0] * 5]), np.array([LARGEST, *[4.0] * 5])
     starts = np.linspace(0.75, 1.3, 12)
     begun = min(starts, key=lambda size: float(np.square(residuals(np.array([size, *[0.0] * 5]))).sum()))
-    size = float(least_squares(residuals, [begun, *[0.0] * 5], bounds=(low, high)).x[0])
-    return 1.0 if abs(size - 1.0) < UNTOLD else size
+    found = least_squares(residuals, [begun, *[0.0] * 5], bounds=(low, high))
+    size, sd = float(found.x[0]), float(np.linalg.inv(found.jac.T @ found.jac)[0, 0] ** 0.5)
+    return 1.0 if abs(size - 1.0) < max(UNTOLD, SURE_SDS * sd) else size
 
 
 def _height_error(place: Array, angles: Array, guess: Array) -> Array:

@@ -10,7 +10,6 @@ from agents import load_agent
 from jawenv.commands.app import main
 from jawenv.recordings.doctor.examination import examined
 from jawenv.recordings.plausibility import findings
-from jawenv.recordings.untold.bank import DRIFT
 from jawenv.recordings.untold.learnt import identified_with_errors
 from jawenv.recordings.zero import change_of_zero
 from tests.recordings.several.test_together import played, saved
@@ -58,4 +57,4 @@ def test_a_drift_in_a_slow_movement_is_learnt():
     samples[..., 2] += 2.0 * (1.0 - np.exp(-np.linspace(0.0, 4.0, len(samples))))[:, None]
     found, last = identified_with_errors(replace(record, samples=samples))
     error, cov = found.estimate.mean[-1] - record.truth, found.estimate.cov[-1]
-    assert last.sizes[DRIFT] > 0.0 and error @ np.linalg.solve(cov, error) / 12 < 3.0
+    assert last.sizes["drift"] > 0.0 and error @ np.linalg.solve(cov, error) / 12 < 3.0
