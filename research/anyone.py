@@ -1,19 +1,23 @@
-"""Worth of what ``jawenv identify`` says of files as laboratories write them.
+"""Worth of what ``jawenv identify`` says of files as laboratories write them, and of people without a scan.
 
-    python -m research.anyone --patients 24 >> docs/tables/anyone.md
+    python -m research.anyone rates --patients 24
+    python -m research.anyone people --patients 24
 
-Times, places, angles and one reading of the load cell a row: no velocities, no header. The tracker has a rate of its
-own; readings of a cell that is slower stand in the nearest rows, between them cells are empty. Patients are anyone
-with the anatomy of a scan. A row is printed as soon as it is there.
+Times, places, angles and one reading of the load cell a row: no velocities, no header, no word of the patient. The
+tracker has a rate of its own; readings of a cell that is slower stand in the nearest rows, between them cells are
+empty. rates: people of ``anyone`` with a scan's anatomy. people: every cohort with and without a scan, other sizes, a
+head that lies back, a bench on which all is a little wrong. A row is printed as soon as it is there.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import sys
 import tempfile
 from itertools import product
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -21,17 +25,31 @@ from scipy.interpolate import CubicSpline
 import jawenv
 from agents import load_agent
 from eval.figures import statistics, words
+from jawenv.anatomy import COHORTS
+from jawenv.answers.answer import Answer
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
+from jawenv.metrics.diagnosis import BLOCKED_B, STIFF_F_O_N
+from jawenv.metrics.verdicts import BLOCKED, BOTH, FINDINGS, STIFF
 from jawenv.recordings.columns import ENCODERS, READINGS, TIME
-from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.estimate import Array
-from jawenv.recordings.files import load_record
 from jawenv.recordings.record import Record
-from jawenv.recordings.untold.learnt import identified_with_errors
+from jawenv.recordings.size import sized
 
 MOVEMENTS = ("refined", "slow_opening")
 RATES = tuple(product((60, 120, 240), (20, 80)))
 """Hz of tracker and load cell."""
+TRACKER_HZ, CELL_HZ = 120, 80
+NO_SCAN = {"attachment_error": 1.0}
+SMALL_ERRORS = {
+    "cell_bias_N": 0.1,
+    "cell_bias_N_m": 0.002,
+    "head_tilt_error_deg": 3.0,
+    "mouthpiece_error_mm": 0.5,
+    "mouthpiece_error_deg": 0.5,
+    "encoder_play_mm": 0.2,
+    "creep_share": 0.2,
+    "cell_error_deg": 0.5,
+}
 _POSE = 6
 
 
@@ -84,40 +102,96 @@ def _row(*cells: object) -> None:
     print(f"| {' | '.join(map(str, cells))} |", flush=True)
 
 
+class _Judged(NamedTuple):
+    """The answer to one file beside the truth."""
+
+    believed: bool
+    nees: float  # over the number of parameters
+    worst: float  # error bar, %
+    findings: int  # on muscles
+    right: int  # of these
+
+
+def judged(record: Record, hz: float, cell_hz: float, seed: int) -> _Judged:
+    """What ``jawenv.identify`` says of a played record as a laboratory's file."""
+    assert record.truth is not None
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "lab.csv"
+        lab_file(record, hz, cell_hz, path, seed)
+        answer = jawenv.identify(path)
+    assert isinstance(answer, Answer)
+    error = answer.log_mean - record.truth
+    nees = float(error @ np.linalg.solve(answer.log_cov, error)) / len(error)
+    above = np.exp(record.truth).reshape(-1, 2) > [STIFF_F_O_N, BLOCKED_B]
+    said = [(found.word, *true) for found, true in zip(answer.verdicts.values(), above, strict=True)]
+    given = [one for one in said if one[0] in FINDINGS]
+    right = sum(
+        (word in (STIFF, BOTH)) == stiff and (word in (BLOCKED, BOTH)) == blocked for word, stiff, blocked in given
+    )
+    return _Judged(answer.believed, nees, 100.0 * float(answer.log_sd.max()), len(given), right)
+
+
+def _figures(found: list[_Judged]) -> tuple[str, ...]:
+    nees = np.array([one.nees for one in found if one.believed])
+    share, findings = f"{len(nees)} of {len(found)}", sum(one.findings for one in found if one.believed)
+    if not len(nees):
+        return share, "–", "–", "–"
+    right = sum(one.right for one in found if one.believed)
+    shown = f"{words.with_interval(statistics.mean(nees), 2)}, {np.median(nees):.2f}, {nees.max():.1f}"
+    return share, shown, f"{np.median([one.worst for one in found if one.believed]):.0f}", f"{right} of {findings}"
+
+
+def _records(arguments: argparse.Namespace, movement: str, **world: Any) -> tuple[Record, ...]:
+    kwargs = {"record": True, "episode_s": arguments.seconds, "knowledge": "imaged", "track_bound": False} | world
+    agent = load_agent(movement)
+    played = jawenv.play(agent, patients=arguments.patients, seed=arguments.seed, env_kwargs=kwargs)
+    assert played.records is not None
+    return played.records
+
+
+HEAD = ("believed", "NEES/12 of these, median, largest", "worst error bar, %", "findings right")
+
+
+def rates(arguments: argparse.Namespace) -> None:
+    """Print a row for each rate of tracker and load cell."""
+    _row("movement", "tracker, Hz", "cell, Hz", *HEAD)
+    print("|---|" + 6 * "--:|", flush=True)
+    for movement in MOVEMENTS:
+        records = _records(arguments, movement, cohort="anyone")
+        for hz, cell_hz in RATES:
+            found = [judged(record, hz, cell_hz, number) for number, record in enumerate(records)]
+            _row(movement, hz, cell_hz, *_figures(found))
+
+
+def people(arguments: argparse.Namespace) -> None:
+    """Print a row for each kind of people."""
+    both: dict[str, dict[str, Any]] = {"a scan's anatomy": {}, "the table's anatomy": {"reality": NO_SCAN}}
+    kinds = [(cohort, title, world) for cohort in COHORTS for title, world in both.items()]
+    kinds += [("anyone", f"size {size:g}", {"anatomy": sized(size)}) for size in (0.85, 0.93, 1.07, 1.15)]
+    kinds += [("anyone", "size 0.93, the table's anatomy", {"anatomy": sized(0.93), "reality": NO_SCAN})]
+    tilts = (-20.0, -45.0, -80.0)
+    kinds += [("anyone", f"head at {tilt:g} degrees", {"reality": {"head_tilt_error_deg": tilt}}) for tilt in tilts]
+    kinds += [("anyone", "the table's anatomy, a bench's small errors", {"reality": NO_SCAN | SMALL_ERRORS})]
+    _row("cohort", "people", *HEAD)
+    print("|---|---|" + 4 * "--:|", flush=True)
+    for cohort, title, world in kinds:
+        records = _records(arguments, MOVEMENTS[0], cohort=cohort, **world)
+        found = [judged(record, TRACKER_HZ, CELL_HZ, number) for number, record in enumerate(records)]
+        _row(cohort, title, *_figures(found))
+
+
+TABLES = {"rates": rates, "people": people}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("table", choices=TABLES)
     parser.add_argument("--patients", type=int, default=24, help="of each row")
     parser.add_argument("--seed", type=int, default=480_000)
     parser.add_argument("--seconds", type=float, default=10.0, help="of each movement")
     arguments = parser.parse_args()
-    print("\n## Files of a laboratory\n\nTimes, places, angles and one reading of the load cell a row, no velocities.")
-    print(f"`python -m research.anyone --patients {arguments.patients} --seed {arguments.seed}`:\n")
-    _row("movement", "tracker, Hz", "cell, Hz", "believed", "NEES/12, median, largest", "worst error bar, %")
-    print("|---|" + 5 * "--:|", flush=True)
-    world = {"record": True, "episode_s": arguments.seconds, "cohort": "anyone", "knowledge": "imaged"}
-    for movement in MOVEMENTS:
-        played = jawenv.play(
-            load_agent(movement),
-            patients=arguments.patients,
-            seed=arguments.seed,
-            env_kwargs=world | {"track_bound": False},
-        )
-        assert played.records is not None
-        for hz, cell_hz in RATES:
-            believed, nees, worst = [], [], []
-            for number, record in enumerate(played.records):
-                with tempfile.TemporaryDirectory() as folder:
-                    lab_file(record, hz, cell_hz, Path(folder) / "lab.csv", number)
-                    found, _ = identified_with_errors(load_record(Path(folder) / "lab.csv", BENCH))
-                assert record.truth is not None
-                error, cov = found.estimate.mean[-1] - record.truth, found.estimate.cov[-1]
-                nees.append(float(error @ np.linalg.solve(cov, error)) / len(error))
-                worst.append(100.0 * float(found.estimate.sd[-1].max()))
-                believed.append(found.believable)
-            of_believed = np.array(nees)[np.array(believed)]
-            figures = f"{words.with_interval(statistics.mean(of_believed), 2)}, {np.median(of_believed):.2f}"
-            share = f"{sum(believed)} of {len(believed)}"
-            _row(movement, hz, cell_hz, share, f"{figures}, {of_believed.max():.1f}", f"{np.median(worst):.0f}")
+    print(f"`python -m research.anyone {' '.join(sys.argv[1:])}`:\n")
+    TABLES[arguments.table](arguments)
 
 
 if __name__ == "__main__":
