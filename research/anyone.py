@@ -112,13 +112,13 @@ class _Judged(NamedTuple):
     right: int  # of these
 
 
-def judged(record: Record, hz: float, cell_hz: float, seed: int) -> _Judged:
-    """What ``jawenv.identify`` says of a played record as a laboratory's file."""
+def judged(record: Record, hz: float, cell_hz: float, seed: int, **said: Any) -> _Judged:
+    """What ``jawenv.identify`` says of a played record as a laboratory's file, with what it is told."""
     assert record.truth is not None
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "lab.csv"
         lab_file(record, hz, cell_hz, path, seed)
-        answer = jawenv.identify(path)
+        answer = jawenv.identify(path, **said)
     assert isinstance(answer, Answer)
     error = answer.log_mean - record.truth
     nees = float(error @ np.linalg.solve(answer.log_cov, error)) / len(error)
@@ -141,10 +141,18 @@ def _figures(found: list[_Judged]) -> tuple[str, ...]:
     return share, shown, f"{np.median([one.worst for one in found if one.believed]):.0f}", f"{right} of {findings}"
 
 
-def _records(arguments: argparse.Namespace, movement: str, **world: Any) -> tuple[Record, ...]:
-    kwargs = {"record": True, "episode_s": arguments.seconds, "knowledge": "imaged", "track_bound": False} | world
-    agent = load_agent(movement)
-    played = jawenv.play(agent, patients=arguments.patients, seed=arguments.seed, env_kwargs=kwargs)
+def _records(arguments: argparse.Namespace, movement: str, *, tilt: float = 0.0, **world: Any) -> tuple[Record, ...]:
+    kwargs: dict[str, Any] = {
+        "record": True,
+        "episode_s": arguments.seconds,
+        "knowledge": "imaged",
+        "track_bound": False,
+    } | world
+    drawn = (
+        COHORTS[world["cohort"]].draw(np.random.default_rng(arguments.seed + i)) for i in range(arguments.patients)
+    )
+    people = [patient.model_copy(update={"head_tilt_deg": tilt}) for patient in drawn]
+    played = jawenv.play(load_agent(movement), patients=people, seed=arguments.seed, env_kwargs=kwargs)
     assert played.records is not None
     return played.records
 
@@ -170,7 +178,7 @@ def people(arguments: argparse.Namespace) -> None:
     kinds += [("anyone", f"size {size:g}", {"anatomy": sized(size)}) for size in (0.85, 0.93, 1.07, 1.15)]
     kinds += [("anyone", "size 0.93, the table's anatomy", {"anatomy": sized(0.93), "reality": NO_SCAN})]
     tilts = (-20.0, -45.0, -80.0)
-    kinds += [("anyone", f"head at {tilt:g} degrees", {"reality": {"head_tilt_error_deg": tilt}}) for tilt in tilts]
+    kinds += [("anyone", f"head at {tilt:g} degrees", {"tilt": tilt}) for tilt in tilts]
     kinds += [("anyone", "the table's anatomy, a bench's small errors", {"reality": NO_SCAN | SMALL_ERRORS})]
     _row("cohort", "people", *HEAD)
     print("|---|---|" + 4 * "--:|", flush=True)

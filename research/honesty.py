@@ -78,14 +78,16 @@ class _BeliefSample(NamedTuple):
     """Beliefs about N patients at one time, without ended episodes."""
 
     nees: np.ndarray  # over the number of parameters
+    early: np.ndarray  # (N, 2) the same after an eighth and a quarter of the episode
     z: np.ndarray  # (N, P)
     sd: np.ndarray
     rings: np.ndarray
 
     def figures(self):
-        """NEES, inside 2 sd, beyond 10."""
+        """NEES after an eighth, a quarter and all of the episode, inside 2 sd, beyond 10."""
+        eighth, quarter = np.mean(self.early, axis=0)
         nees = words.with_interval(statistics.mean(self.nees), 2)
-        return f"{nees} | {100.0 * np.mean(np.abs(self.z) < 2.0):.1f} | {np.sum(self.nees > LOST)} of {len(self.nees)}"
+        return f"{eighth:.2f}, {quarter:.2f} | {nees} | {100.0 * np.mean(np.abs(self.z) < 2.0):.1f} | {np.sum(self.nees > LOST)} of {len(self.nees)}"
 
     def sds(self):
         """Worst and median sd of a patient, in %."""
@@ -107,11 +109,15 @@ def beliefs(agent, arguments, **kwargs):
 
 
 def _last(played):
-    reached = played.valid[:, -1]
-    error, cov = (played.belief_mean[:, -1] - played.truth)[reached], played.belief_cov[reached, -1]
-    sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2))
-    nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(cov), error) / error.shape[1]
-    return nees, error / sd, sd, played.misfit[reached, -1] > 1.0
+    reached, last = played.valid[:, -1], played.valid.shape[1] - 1
+    z, nees = {}, {}
+    for step in (last // 8, last // 4, last):
+        error, cov = (played.belief_mean[:, step] - played.truth)[reached], played.belief_cov[reached, step]
+        sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2))
+        nees[step] = np.einsum("np,npq,nq->n", error, np.linalg.inv(cov), error) / error.shape[1]
+        z[step] = error / sd
+    early = np.stack([nees[last // 8], nees[last // 4]], axis=1)
+    return nees[last], early, z[last], sd, played.misfit[reached, -1] > 1.0
 
 
 def _row(*cells):
@@ -124,14 +130,23 @@ def head(*cells):
 
 
 def corners(arguments):
-    head("control", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest", "rings, %")
+    head("control", "at an eighth, a quarter", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest", "rings, %")
     for control in CONTROLS:
         sample = beliefs(_Held(control), arguments, control=control)
         _row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
 
 
 def memory(arguments):
-    head("agent", "true time, s", "told, s", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "rings, %")
+    head(
+        "agent",
+        "true time, s",
+        "told, s",
+        "at an eighth, a quarter",
+        "NEES/12, 30 s",
+        "inside 2 sd, %",
+        "beyond 10",
+        "rings, %",
+    )
     for name, time, factor in product((RICH, SWINGS, PLAIN), (0.05, 0.1, 0.5, 1.0, 2.0), (1.0, 1.0 / 3.0, 3.0)):
         kwargs = {"device": {"unmodelled_time_s": time * factor}, "reality": {"unmodelled_time_s": time}}
         sample = beliefs(load_agent(name), arguments, **kwargs)
@@ -140,7 +155,17 @@ def memory(arguments):
 
 def bias(arguments):
     """Print for each cohort and control the agent under which estimates lie furthest to one side."""
-    head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest mean z", "of")
+    head(
+        "cohort",
+        "control",
+        "agent",
+        "at an eighth, a quarter",
+        "NEES/12, 30 s",
+        "inside 2 sd, %",
+        "beyond 10",
+        "largest mean z",
+        "of",
+    )
     names = COHORTS[next(iter(COHORTS))].muscles.parameter_names
     for cohort, control in product(COHORTS, CONTROLS):
         rows = []
@@ -154,7 +179,16 @@ def bias(arguments):
 
 
 def alarm(arguments):
-    head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "rings, %")
+    head(
+        "cohort",
+        "control",
+        "agent",
+        "at an eighth, a quarter",
+        "NEES/12, 30 s",
+        "inside 2 sd, %",
+        "beyond 10",
+        "rings, %",
+    )
     total = []
     for cohort, control in product(COHORTS, CONTROLS):
         rows = []
@@ -166,7 +200,16 @@ def alarm(arguments):
         _row(cohort, control, *max(rows)[2])  # who rings most, then who is furthest off
     rings = np.concatenate(total)
     print(f"\n{rings.sum()} of {len(rings)} honest episodes ring: {100.0 * rings.mean():.2f} %\n", flush=True)
-    head("not told", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "NEES/12 > 4", "of these ring, %")
+    head(
+        "not told",
+        "agent",
+        "at an eighth, a quarter",
+        "NEES/12, 30 s",
+        "inside 2 sd, %",
+        "beyond 10",
+        "NEES/12 > 4",
+        "of these ring, %",
+    )
     arguments.patients *= 2
     for reality, name in product(UNTOLD, (RICH, SWINGS, PLAIN)):
         sample = beliefs(load_agent(name), arguments, reality=reality)
@@ -234,7 +277,17 @@ def effects(arguments):
 
 def jaws(arguments):
     """Imaged ones as in ``JawImaged-v3``, where the disturbance has a memory as well."""
-    head("filter", "agent", "true jaw", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "worst / median sd", "rings, %")
+    head(
+        "filter",
+        "agent",
+        "true jaw",
+        "at an eighth, a quarter",
+        "NEES/12, 30 s",
+        "inside 2 sd, %",
+        "beyond 10",
+        "worst / median sd",
+        "rings, %",
+    )
     plants = {"its own": None, "MuJoCo": MUJOCO}
     filters = {
         "one point": {"knowledge": "exact"},
