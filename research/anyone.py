@@ -112,22 +112,20 @@ class _Judged(NamedTuple):
     right: int  # of these
 
 
-def judged(record: Record, hz: float, cell_hz: float, seed: int, **said: Any) -> _Judged:
+def judged(record: Record, hz: float, cell_hz: float, seed: int, **told: Any) -> _Judged:
     """What ``jawenv.identify`` says of a played record as a laboratory's file, with what it is told."""
     assert record.truth is not None
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "lab.csv"
         lab_file(record, hz, cell_hz, path, seed)
-        answer = jawenv.identify(path, **said)
+        answer = jawenv.identify(path, **told)
     assert isinstance(answer, Answer)
     error = answer.log_mean - record.truth
     nees = float(error @ np.linalg.solve(answer.log_cov, error)) / len(error)
-    above = np.exp(record.truth).reshape(-1, 2) > [STIFF_F_O_N, BLOCKED_B]
-    said = [(found.word, *true) for found, true in zip(answer.verdicts.values(), above, strict=True)]
-    given = [one for one in said if one[0] in FINDINGS]
-    right = sum(
-        (word in (STIFF, BOTH)) == stiff and (word in (BLOCKED, BOTH)) == blocked for word, stiff, blocked in given
-    )
+    truly = np.exp(record.truth).reshape(-1, 2) > [STIFF_F_O_N, BLOCKED_B]
+    pairs = zip(answer.verdicts.values(), truly, strict=True)
+    given = [(verdict.word, true.tolist()) for verdict, true in pairs if verdict.word in FINDINGS]
+    right = sum([word in (STIFF, BOTH), word in (BLOCKED, BOTH)] == true for word, true in given)
     return _Judged(answer.believed, nees, 100.0 * float(answer.log_sd.max()), len(given), right)
 
 

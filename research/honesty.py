@@ -87,7 +87,8 @@ class _BeliefSample(NamedTuple):
         """NEES after an eighth, a quarter and all of the episode, inside 2 sd, beyond 10."""
         eighth, quarter = np.mean(self.early, axis=0)
         nees = words.with_interval(statistics.mean(self.nees), 2)
-        return f"{eighth:.2f}, {quarter:.2f} | {nees} | {100.0 * np.mean(np.abs(self.z) < 2.0):.1f} | {np.sum(self.nees > LOST)} of {len(self.nees)}"
+        inside, lost = 100.0 * np.mean(np.abs(self.z) < 2.0), np.sum(self.nees > LOST)
+        return f"{eighth:.2f}, {quarter:.2f} | {nees} | {inside:.1f} | {lost} of {len(self.nees)}"
 
     def sds(self):
         """Worst and median sd of a patient, in %."""
