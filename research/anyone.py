@@ -139,7 +139,10 @@ def _figures(found: list[_Judged]) -> tuple[str, ...]:
     return share, shown, f"{np.median([one.worst for one in found if one.believed]):.0f}", f"{right} of {findings}"
 
 
-def _records(arguments: argparse.Namespace, movement: str, *, tilt: float = 0.0, **world: Any) -> tuple[Record, ...]:
+def recordings_of(
+    arguments: argparse.Namespace, movement: str, *, tilt: float = 0.0, **world: Any
+) -> tuple[Record, ...]:
+    """Recordings of people drawn by a cohort, with their heads pitched, in a world with these arguments."""
     kwargs: dict[str, Any] = {
         "record": True,
         "episode_s": arguments.seconds,
@@ -163,7 +166,7 @@ def rates(arguments: argparse.Namespace) -> None:
     _row("movement", "tracker, Hz", "cell, Hz", *HEAD)
     print("|---|" + 6 * "--:|", flush=True)
     for movement in MOVEMENTS:
-        records = _records(arguments, movement, cohort="anyone")
+        records = recordings_of(arguments, movement, cohort="anyone")
         for hz, cell_hz in RATES:
             found = [judged(record, hz, cell_hz, number) for number, record in enumerate(records)]
             _row(movement, hz, cell_hz, *_figures(found))
@@ -181,7 +184,7 @@ def people(arguments: argparse.Namespace) -> None:
     _row("cohort", "people", *HEAD)
     print("|---|---|" + 4 * "--:|", flush=True)
     for cohort, title, world in kinds:
-        records = _records(arguments, MOVEMENTS[0], cohort=cohort, **world)
+        records = recordings_of(arguments, MOVEMENTS[0], cohort=cohort, **world)
         found = [judged(record, TRACKER_HZ, CELL_HZ, number) for number, record in enumerate(records)]
         _row(cohort, title, *_figures(found))
 

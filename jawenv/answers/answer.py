@@ -26,6 +26,7 @@ from jawenv.recordings.untold.learnt import Learnt
 from jawenv.recordings.zero import UNSEEN_DRIFT, change_of_zero
 
 _SD_95 = 1.96
+BEYOND_SDS = 2.5
 _TITLES = {"F_o": "pull of the closed jaw F_o, N", "b": "stiffening b, no unit"}
 
 
@@ -93,7 +94,9 @@ class Answer:
 
     @property
     def tension(self) -> dict[str, list[Tension]]:
-        """Closing forces at the incisors as far as the first recording went, see ``tensions_of``."""
+        """Closing forces at the incisors as far as the first recording went (``tensions_of``); none if not believed."""
+        if not self.believed:
+            return {}
         record = self.records[0] if self.learnt is None else replace(self.records[0], jaw=self.learnt.jaw)
         return tensions_of(record, self.log_mean, self.log_cov)
 
@@ -108,6 +111,12 @@ class Answer:
         prior = self.records[0].prior
         beyond = np.abs(self.log_mean - prior.mean) > TRUNCATION_SD * prior.sd
         return [name.removeprefix("log_") for name, far in zip(self.parameter_names, beyond, strict=True) if far]
+
+    @property
+    def beyond_the_prior(self) -> bool:
+        """Whether an estimate is so far beyond the prior's edge that the prior holds it back."""
+        prior = self.records[0].prior
+        return bool((np.abs(self.log_mean - prior.mean) > BEYOND_SDS * prior.sd).any())
 
     @property
     def least_known(self) -> dict[str, Any]:
@@ -165,8 +174,7 @@ class Answer:
         """The estimates, what is least known of them, and the verdicts."""
         weakest, edge = self.least_known, self.at_the_priors_edge
         return [
-            *in_words_of_tension(self.tension),
-            "",
+            *([*in_words_of_tension(self.tension), ""] if self.believed else []),
             *self._estimates(),
             f"least known: {weakest['words']}, sd {weakest['sd']:.1%} (before: {weakest['prior_sd']:.0%})",
             f"enough recorded: {_enough_in_words(self.log_sd)}",

@@ -19,6 +19,8 @@ from jawenv.recordings.untold.learnt import Learnt
 
 _LONG_S, PATIENCE_S = 60.0, 2.0
 """Length of a recording from which, and time after which, it is said that other patients are tried."""
+WIDER = 2.0
+"""Times the sds of a cohort whose edge the estimates lie beyond."""
 _LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
 _KNOWN = {"exact": "known exactly", "imaged": "as from a scan", "bench": "as from a scan"}
 
@@ -40,9 +42,10 @@ def cohort_assumed(record: Record) -> str | None:
 
 def assumed_in_words(record: Record) -> str:
     """Patient, anatomy and head as they were assumed."""
-    name = cohort_assumed(record)
+    wide = replace(record, prior=Prior(record.prior.mean, record.prior.sd / WIDER))
+    name, wider = cohort_assumed(record), cohort_assumed(wide)
     if name is None:
-        patient = "a prior of its own"
+        patient = "a prior of its own" if wider is None else f"beyond {wider}, whose sds were doubled"
     else:
         one = COHORTS[name]
         low, high = (np.exp((one.mean + reach * one.sd)[:, ::2]) for reach in (-2.0, 2.0))
@@ -63,7 +66,7 @@ def learnt_in_words(record: Record, last: Learnt | None) -> str:
     sizes, force = last.sizes, max(last.sizes["constant"], last.sizes["shapes"])
     said = {
         f"lines of muscles {sizes['lines']:g} times as far from the table as a scan leaves them": sizes["lines"] > 1.0,
-        f"the head is pitched by {tilt:.0f} degrees": sizes["tilt"] > 1.0,
+        f"the head is pitched by {tilt:.0f} degrees": abs(tilt - defaults.tilt_of(record.jaw)) > 1.0,
         f"a force of {force:g} N that no muscle pulls": force > 0.0,
         f"laws of muscles bent by {sizes['law']:.0%}: F_o and b are numbers of a law that this jaw does not follow": (
             sizes["law"] > 0.0

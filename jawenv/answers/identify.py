@@ -12,6 +12,7 @@ import numpy as np
 
 from jawenv.anatomy import Prior
 from jawenv.answers.answer import Answer
+from jawenv.answers.assumed import WIDER
 from jawenv.base.errors import InputError
 from jawenv.base.files import read_mapping
 from jawenv.recordings.columns import FORCE, OPENING
@@ -29,8 +30,6 @@ from jawenv.recordings.words import WORDS
 
 if TYPE_CHECKING:
     from jawenv.answers.stretcher import StretcherAnswer
-
-_WIDER = 2.0
 
 
 def identify(
@@ -94,7 +93,7 @@ def identify(
     found, learnt = [one for one, _ in each], each[0][1]
     if len(found) == 1:
         answer = Answer((paths[0],), (records[0],), (found[0],), found[0], learnt, None)
-        return _widened(answer) if cohort is None and answer.at_the_priors_edge else answer
+        return _widened(answer) if cohort is None and answer.beyond_the_prior else answer
     agree, whole = _together(records, found)
     return Answer(tuple(paths), tuple(records), tuple(found), whole, None, agree)
 
@@ -121,7 +120,7 @@ def _identified(
 def _widened(answer: Answer) -> Answer:
     """The answer under a prior of twice the sds: a patient whom the cohort hardly has."""
     (record,) = answer.records
-    record = replace(record, prior=Prior(record.prior.mean, _WIDER * record.prior.sd))
+    record = replace(record, prior=Prior(record.prior.mean, WIDER * record.prior.sd))
     found, learnt = identified_with_errors(record)
     return Answer(answer.paths, (record,), (found,), found, learnt, None)
 

@@ -17,7 +17,7 @@ from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
 
 OPENINGS_MM = (10.0, 20.0, 30.0)
-_ROWS, _STEPS = 60, 61
+_ROWS, _STEPS, _FEWEST = 60, 61, 3
 
 
 class Tension(NamedTuple):
@@ -42,7 +42,7 @@ def tensions_of(record: Record, log_mean: Array, log_cov: Array) -> dict[str, li
         log_cov: (p, p) their covariance.
     """
     opening, strain, growth = _along_the_way(record)
-    asked = [mm for mm in OPENINGS_MM if mm <= 1e3 * opening.max()]
+    asked = [] if len(opening) < _FEWEST else [mm for mm in OPENINGS_MM if mm <= 1e3 * opening.max()]
     muscle = record.jaw["muscle"]
     by_log = [_by_parameters(1e-3 * mm, opening, strain, growth, log_mean, muscle) for mm in asked]
     names = [name.removeprefix("log_F_o/") for name in record.parameter_names[::2]]
@@ -78,6 +78,10 @@ def _along_the_way(record: Record) -> tuple[Array, Array, Array]:
     way = np.zeros((_STEPS, 5))
     way[:, 2], way[:, 0] = theta, np.column_stack([theta, theta**2]) @ slide
     opening = np.array([opening_of(jaw, pose) for pose in way])
+    opens = np.append(True, np.diff(np.maximum.accumulate(opening)) > 0.0)
+    opening, way = opening[opens], way[opens]
+    if len(opening) < _FEWEST:
+        return opening, opening, opening
     lengths = muscle_lengths(jaw, way)
     return opening, lengths / jaw["l_o"] - 1.0, np.gradient(lengths, opening, axis=0)
 

@@ -105,16 +105,16 @@ def test_a_record_that_cannot_be_is_refused(fields):
 
 
 def believing(record):
-    """The record with what froze made a number that has changed: by its last bit."""
+    """The record with what froze made a number that has changed: by its last bit, as far as a reading is precise."""
     measured, samples = record.measured.copy(), record.samples.copy()
     for k in range(1, len(measured)):
         same = measured[k] == measured[k - 1]
-        measured[k, same] = np.nextafter(measured[k, same], np.inf)
+        measured[k, same] = np.nextafter(measured[k, same].astype(np.float32), np.float32(np.inf))
     last = np.full(6, np.nan)
     for rows in samples:
         for row in rows:
             same = row == last
-            row[same] = np.nextafter(row[same], np.inf)
+            row[same] = np.nextafter(row[same].astype(np.float32), np.float32(np.inf))
             last = row
     return replace(record, measured=measured, samples=samples)
 

@@ -67,7 +67,8 @@ def read_tick(simulation, belief, measured, samples):
     """One tick late in an episode, which is kept nowhere."""
     settings, scratch = simulation.settings[0]["filter"], simulation.scratches[0]["filter"]
     rows = simulation.ticks[0, :0]
-    take_tick(simulation.models[0], belief, rows, (1001, 5), measured, samples, settings, scratch)
+    beliefs = belief, simulation.worlds["known"]["kept"][0]
+    take_tick(simulation.models[0], beliefs, rows, (1001, 5), measured, samples, settings, scratch)
 
 
 def motion_at(rng):

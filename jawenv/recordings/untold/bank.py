@@ -1,6 +1,6 @@
-"""Sizes of errors that nobody told, each weighed by its evidence: a scan's, a wrench, a drift, lines, tilt, bent laws.
+"""Sizes of errors that nobody told, each weighed by its evidence: a scan's, a wrench, a drift, lines, bent laws.
 
-For every seven sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
+For every six sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
 probable values a normal belief is laid (Laplace). Beforehand 0.9 of the weight is on a size of zero, also of a wrench
 that the filter was told of: a fixed sd of 0.1 N would double the error bars of recordings that need none.
 """
@@ -24,12 +24,11 @@ LEVELS = {
     "shapes": (0.0, 0.1, 1.0),  # of its other shapes, N
     "drift": (0.0, 1.0),  # of the cell's zero over a third of the recording, N
     "lines": (1.0, 3.0, 10.0),  # sds of attachments over a scan's: 10 is the table's mean anatomy
-    "tilt": (1.0, 10.0),  # sd of the head's pitch over that of a head that is told upright
     "law": LAWS,  # sd of bends, share of a tension
 }
 """Name of each size -> its levels; the first is the usual one."""
-SIZES = np.array([sizes for sizes in product(*LEVELS.values()) if sizes[0] > 0.0 or sizes[4] == sizes[5] == 1.0])
-"""(504, 7) sizes; laws vary first."""
+SIZES = np.array([sizes for sizes in product(*LEVELS.values()) if sizes[0] > 0.0 or sizes[4] == 1.0])
+"""(288, 6) sizes; laws vary first."""
 _TOLD = 0.9
 _EFFORT, _LONG = (12, 6), (80, 14)
 """Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
@@ -49,8 +48,8 @@ class Mixture:
     cov: Array  # (p, p)
     weights: Array  # (N,) of the sizes
     best: Array  # (p,) the mean under the most probable sizes
-    sizes: Array  # (7,) these
-    every: Array  # (N, 7) all sizes
+    sizes: Array  # (6,) these
+    every: Array  # (N, 6) all sizes
     information: Array  # (c, c) about the tensions under the most probable sizes
     score: Array  # (c,) the same
 
@@ -89,12 +88,13 @@ class Mixture:
         return reached
 
 
-def mixture(blocks: Blocks, temperature: float) -> Mixture:
-    """The belief about the muscles, whatever the sizes are."""
-    sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.told_scan else SIZES
+def mixture(blocks: Blocks, temperature: float, sizes: Array | None = None) -> Mixture:
+    """The belief about the muscles, whatever the sizes are; of ``SIZES``, or of others whose laws vary first."""
+    if sizes is None:
+        sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.told_scan else SIZES
     information, score, evidence = _about_tensions(blocks, temperature, sizes)
     means, covs, heights = _most_probable(blocks, information, score, np.tile(blocks.point, (len(score), 1)))
-    weights = evidence + heights + _beforehand(sizes)
+    weights = evidence + heights + beforehand(sizes)
     weights = np.where(np.isfinite(weights), weights, -np.inf)
     weights = np.exp(weights - weights.max())
     weights /= weights.sum()
@@ -107,7 +107,7 @@ def mixture(blocks: Blocks, temperature: float) -> Mixture:
     return Mixture(mean, 0.5 * (cov + cov.T), weights, *best)
 
 
-def _beforehand(sizes: Array) -> Array:
+def beforehand(sizes: Array) -> Array:
     """(N,) logarithms of the weights before anything is read; a wrench that the filter was told of is learnt too."""
     weights = np.zeros(len(sizes))
     for j, levels in enumerate(LEVELS.values()):

@@ -75,7 +75,7 @@ class Blocks:
 
     def unknowns(self) -> Array:
         """(n - c,) most probable values of the columns behind the tensions, for the muscles of the point."""
-        sds, c = self.sds(np.array([[1.0, self.told_wrench, self.told_wrench, 0.0, 1.0, 1.0, 0.0]]))[0], self.tensions
+        sds, c = self.sds(np.array([[1.0, self.told_wrench, self.told_wrench, 0.0, 1.0, 0.0]]))[0], self.tensions
         inner = sds[:, None] * self.information.sum(axis=0)[c:, c:] * sds + np.eye(len(sds))
         values: Array = sds * np.linalg.solve(inner, sds * self.score.sum(axis=0)[c:])
         return values
@@ -83,12 +83,12 @@ class Blocks:
     def sds(self, sizes: Array) -> Array:
         """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``bank.SIZES``."""
         others = self.score.shape[1] - self.tensions - 1 - N_OF_DRIFT - N_OF_WRENCH
-        scan, constant, shapes, drift, ends, tilt = (sizes[:, j, None] for j in range(6))
+        scan, constant, shapes, drift, ends = (sizes[:, j, None] for j in range(5))
         gain = np.full((len(sizes), 1), self.gain_sd)
         known = np.repeat(np.ones_like(scan) if self.told_scan else scan, others, axis=1)
         wrench = np.repeat(constant, _N_CONSTANT, axis=1), np.repeat(shapes, N_OF_WRENCH - _N_CONSTANT, axis=1)
         sds = np.hstack([gain, known, np.repeat(drift, N_OF_DRIFT, axis=1), *wrench])
-        return sds * np.where(self.ends, ends, 1.0) * np.where(self.tilt, tilt, 1.0)
+        return sds * np.where(self.ends, ends, 1.0)
 
 
 def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blocks:

@@ -15,7 +15,7 @@ from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import divided
-from jawenv.recordings.untold.bank import LEVELS, Mixture, mixture
+from jawenv.recordings.untold.bank import LAWS, LEVELS, Mixture, beforehand, mixture
 from jawenv.recordings.untold.blocks import Blocks, blocks_of
 from jawenv.recordings.untold.shown import Shown, shown
 from jawenv.recordings.untold.temperature import excess, joint_of
@@ -24,8 +24,11 @@ _ROUNDS, _ENOUGH = 4, 1.02
 _BENT = 3.0
 """Largest ``Mixture.bend`` of a normal that becomes the belief."""
 _MOVED = 0.1  # of a natural logarithm, from where the motion is linearised anew
-_PASSES, _STAYED = 6, 0.5  # until ends and a tilt that are far off stay where they are, in sds of a scan
-_LINES, _TILT = (list(LEVELS).index(name) for name in ("lines", "tilt"))
+_PASSES, _STAYED = 6, 0.5  # until what is far off stays where it is, in sds of a scan
+_LINES = list(LEVELS).index("lines")
+_PITCHED = np.tile([1.0, 0.0, 0.0, 0.0, 10.0, 0.0], (len(LAWS), 1))
+"""Sizes of a head of whose pitch nothing is known, and of no other error."""
+_LYING = 5.0  # sds of the head's pitch beyond which it is looked whether the head is pitched so
 _FEWEST = 10
 """Blocks of which groups can be left out."""
 _CONTRADICTION = "errors that nobody told cannot be weighed, the readings contradict each other"
@@ -60,18 +63,16 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
     if len(blocks.score) < _FEWEST or not np.isfinite(blocks.information).all():
         return None
     found, temperature, spread = weighed(blocks)
+    lying = _lying(record, blocks, found, temperature)
+    if lying is not None:
+        record, blocks, (found, temperature, spread) = lying
     unknowns = np.zeros(blocks.score.shape[1] - blocks.tensions)
     for number in range(_PASSES):
         values = joint_of(blocks, found.best, found.sizes, temperature).values[blocks.tensions :]
         near = np.abs(found.best - blocks.point).max() <= _MOVED
-        far = blocks.ends | blocks.tilt
-        stayed = number > 0 and np.abs(values - unknowns)[far].max(initial=0.0) < _STAYED
-        usual = found.sizes[_LINES] == found.sizes[_TILT] == 1.0
-        if near and (usual or stayed):
+        stayed = number > 0 and np.abs(values - unknowns)[blocks.ends].max(initial=0.0) < _STAYED
+        if near and (found.sizes[_LINES] == 1.0 or stayed):
             break
-        if not usual:
-            record = _tilted(record, float(values[blocks.tilt].sum()))
-            values[blocks.tilt] = 0.0
         unknowns, blocks = values, blocks_of(record, found.best, values)
         found, temperature, spread = weighed(blocks)
     if found.bend(blocks) <= _BENT:
@@ -89,6 +90,30 @@ def _with_ends(jaw: Any, blocks: Blocks, values: Array) -> Any:
     moved["insertion"] += np.tensordot(values, blocks.by_end[1], 1)
     moved["l_o"] = np.linalg.norm(moved["origin"] - moved["insertion"], axis=1)
     return moved
+
+
+def _lying(
+    record: Record, blocks: Blocks, found: Mixture, temperature: float
+) -> tuple[Record, Blocks, tuple[Mixture, float, float]] | None:
+    """The same for a head as the readings would have it pitched; None where that explains them no more simply.
+
+    A head that lies back is many sds off, and gravity is not linear in its pitch.
+    """
+    before = found.sizes
+    for number in range(_PASSES):
+        free = replace(blocks, ends=blocks.tilt)  # the pitch alone may be far off, and all else is usual
+        best = mixture(free, temperature, _PITCHED).best
+        values = joint_of(free, best, _PITCHED[0], temperature).values[blocks.tensions :]
+        tilt = float(values[blocks.tilt].sum())
+        if abs(tilt) < (_LYING if number == 0 else _STAYED):
+            break
+        record, values[blocks.tilt] = _tilted(record, tilt), 0.0
+        blocks = blocks_of(record, best, values)
+    if number == 0:
+        return None
+    weighs = weighed(blocks)
+    simpler, usual = beforehand(np.array([weighs[0].sizes, before]))
+    return (record, blocks, weighs) if simpler > usual else None
 
 
 def _tilted(record: Record, sds: float) -> Record:
@@ -121,7 +146,9 @@ def identified_with_errors(record: Record) -> tuple[Identification, Learnt | Non
         return replace(found, rival=_CONTRADICTION), None
     if last is None:
         return found, None
-    if last.sizes["lines"] > 1.0 or last.sizes["tilt"] > 1.0:  # the gate and the alarm judge by the jaw that was learnt
+    if (
+        last.sizes["lines"] > 1.0 or last.jaw is not record.jaw
+    ):  # the gate and the alarm judge by the jaw that was learnt
         found = replace(identified(replace(record, jaw=last.jaw)), estimate=found.estimate)
     mean[-1], cov[-1] = last.mean, last.cov
     estimate = replace(found.estimate, mean=mean, cov=cov)

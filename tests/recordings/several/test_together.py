@@ -39,7 +39,7 @@ def test_blocks_beside_each_other_share_muscles_and_anatomy_alone():
     total = sum(part.information.sum(axis=0)[:30, :30] for part in parts)
     np.testing.assert_allclose(whole.information.sum(axis=0)[:30, :30], total)
     for part, place in zip(whole.parts, whole.places, strict=True):
-        np.testing.assert_array_equal(whole.sds(np.ones((2, 5)))[:, place[30:] - 30], part.sds(np.ones((2, 5))))
+        np.testing.assert_array_equal(whole.sds(np.ones((2, 6)))[:, place[30:] - 30], part.sds(np.ones((2, 6))))
     first, second = (set(place) for place in whole.places)
     assert len(first & second) == 30 + parts[0].own.sum()
 

@@ -1,0 +1,68 @@
+"""People without a scan, of another size, or who lie: found from their own recordings, and said."""
+
+import argparse
+
+import numpy as np
+import pytest
+
+import jawenv
+from jawenv.answers import tension
+from jawenv.answers.tension import tensions_of
+from jawenv.recordings.size import size_of, sized
+from research.anyone import CELL_HZ, NO_SCAN, TRACKER_HZ, lab_file, recordings_of
+
+ASKED = argparse.Namespace(patients=1, seed=487_000, seconds=15.0)
+
+
+def answer(record, path, **told):
+    lab_file(record, TRACKER_HZ, CELL_HZ, path / "lab.csv")
+    found = jawenv.identify(path / "lab.csv", **told)
+    error = found.log_mean - record.truth
+    return found, float(error @ np.linalg.solve(found.log_cov, error)) / len(error)
+
+
+def test_lines_of_muscles_far_from_the_table_are_found_and_said(tmp_path):
+    """With the error bars of a scan NEES/12 is 10 to 150."""
+    found, share = answer(recordings_of(ASKED, "refined", cohort="one_sided", reality=NO_SCAN)[0], tmp_path)
+    assert found.believed and share < 4.0
+    assert "10 times as far from the table as a scan leaves them" in str(found)
+    assert found.mapping()["learnt"]["lines"] == 10.0
+
+
+def test_a_head_that_lies_back_is_found_and_can_be_told(tmp_path):
+    record = recordings_of(ASKED, "refined", tilt=-80.0, cohort="trismus")[0]
+    found, share = answer(record, tmp_path)
+    assert found.believed and share < 4.0
+    assert found.mapping()["learnt"]["head_tilt_deg"] < -25.0
+    assert "the head is pitched by -" in str(found)
+    told, share = answer(record, tmp_path, head_tilt_deg=-80.0)
+    assert told.believed and share < 4.0 and "pitched down by -80 degrees" in told.assumed
+
+
+def test_a_jaw_of_another_size_is_read_at_its_size_and_an_anatomy_can_be_given(tmp_path):
+    record = recordings_of(ASKED, "refined", cohort="trismus", anatomy=sized(0.85))[0]
+    assert size_of(record) == pytest.approx(0.85, abs=0.02)
+    found, share = answer(record, tmp_path)
+    assert found.believed and share < 6.0 and "mandible 0.8" in found.assumed
+    given, share = answer(record, tmp_path, anatomy=sized(0.85))
+    assert given.believed and share < 4.0
+    assert size_of(recordings_of(ASKED, "refined", cohort="trismus")[0]) == 1.0
+
+
+def test_forces_at_the_incisors_do_the_work_that_the_muscles_store():
+    """Energy of the springs F_o exp(b e), by differences along the opening."""
+    world = {"control": "targets", "record": True, "episode_s": 20.0, "track_bound": False}
+    record = jawenv.play(jawenv.Player("slow_opening"), patients=1, seed=5, env_kwargs=world).records[0]
+    found = tensions_of(record, record.truth, 1e-4 * np.eye(12))
+    opening, strain, _ = tension._along_the_way(record)
+    F_o, b = np.exp(record.truth).reshape(-1, 2)[record.jaw["muscle"]].T
+    stored = np.sum(record.jaw["l_o"] * F_o / b * np.exp(b * strain), axis=1)
+    force = np.interp(0.01, opening, np.gradient(stored, opening))
+    assert found["all"][0].force_N == pytest.approx(force, rel=0.01)
+    assert sum(found[name][0].force_N for name in ("left", "right")) == pytest.approx(found["all"][0].force_N)
+    step, number = 1e-5, 3
+    moved, alone = record.truth.copy(), np.zeros((12, 12))
+    moved[number], alone[number, number] = moved[number] + step, 1.0
+    by_log = tensions_of(record, moved, alone)["all"][0].force_N - found["all"][0].force_N
+    sd = tensions_of(record, record.truth, alone)["all"][0].force_sd_N
+    assert sd == pytest.approx(abs(by_log) / step, rel=1e-3)
