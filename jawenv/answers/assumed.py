@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +15,6 @@ from jawenv.recordings.record import Record
 from jawenv.recordings.size import size_in
 from jawenv.recordings.untold.learnt import Learnt
 
-_LONG_S, PATIENCE_S = 60.0, 2.0
-"""Length of a recording from which, and time after which, it is said that other patients are tried."""
 WIDER = 2.0
 """Times the sds of a cohort whose edge the estimates lie beyond."""
 _LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
@@ -76,24 +72,13 @@ def learnt_in_words(record: Record, last: Learnt | None) -> str:
     return "; ".join(words for words, there in said.items() if there) or "no error beyond what was assumed"
 
 
-def _fitting_cohort(record: Record) -> str | None:
-    """Name of the first cohort under whose prior the recording is to be believed; None where none fits."""
-    assumed, others, begun = cohort_assumed(record), _cohorts(record), time.monotonic()
-    names = sorted(COHORTS.keys() - {assumed}, key=lambda name: (name != defaults.ANYONE, list(COHORTS).index(name)))
-    for number, name in enumerate(names, 1):
-        if record.time[-1] > _LONG_S or time.monotonic() - begun > PATIENCE_S:
-            print(f"tries whether a patient of {name} fits, {number} of {len(names)}", file=sys.stderr, flush=True)
-        if identified(replace(record, prior=others[name].prior)).believable:
-            return name
-    return None
-
-
 def reasons(record: Record, result: Identification) -> list[str]:
-    """Lines that say why the estimates are not to be believed, the patient whom they fit first."""
+    """Lines that say why the estimates are not to be believed; first whether they fit anyone, if not whom was told."""
     unfit = all(finding.plausible for finding in result.findings) and result.learnt_s >= LEAST_S
-    fits = _fitting_cohort(record) if unfit else None
-    doubts = [f"- {doubt}" for doubt in result.doubts]
-    if fits is None:
+    doubts, told, anyone = [f"- {doubt}" for doubt in result.doubts], cohort_assumed(record), COHORTS[defaults.ANYONE]
+    if told == anyone.name or not unfit:
         return [*doubts, f"Look at {_LOOK_AT}."]
-    patient = f"{COHORTS[fits].description} (--cohort {fits}), not {cohort_assumed(record) or 'this prior'}"
-    return [f"- the recording fits {patient}", *doubts, f"Identify it again with --cohort {fits}."]
+    if not identified(replace(record, prior=_cohorts(record)[anyone.name].prior)).believable:
+        return [*doubts, f"Look at {_LOOK_AT}."]
+    fits = f"- the recording fits {anyone.description}, not {told or 'this prior'}"
+    return [fits, *doubts, f"Identify it again with --cohort {anyone.name}."]

@@ -18,7 +18,8 @@
 | 12 | ``add_to_block`` | innovations of 11 | the alarm's sums |
 | 13 | ``follow_friction`` | motion | shares of motors' friction |
 
-``filter_tick`` then learns, and filters all readings again, where a window ends or a reading surprises.
+``filter_tick`` then learns, and filters readings again, where a window ends or a reading surprises. What each step is
+worth is in docs/tables/ablation.md: none of those that it leaves out goes without loss.
 """
 
 from __future__ import annotations

@@ -8,7 +8,6 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from jawenv.answers import assumed
 from jawenv.commands.app import main
 from jawenv.recordings.defaults import BENCH
 from jawenv.recordings.files import load_record, save_record
@@ -99,16 +98,6 @@ def test_page_and_answer_are_two_files(tmp_path, capsys):
     assert main(["identify", str(path), "--json", str(answer), "--page", str(tmp_path / "." / "answer.html")]) == 2
     error = capsys.readouterr().err
     assert "--page and --json are both" in error and error.count("\n") == 1 and not answer.exists()
-
-
-def test_trying_other_patients_is_said_where_it_lasts(tmp_path, capsys, monkeypatch):
-    path = without_labels(played("one_sided"), tmp_path / "bench.csv")
-    arguments = ["identify", str(path), "--cohort", "trismus"]
-    assert main(arguments) == 3
-    assert "tries whether" not in capsys.readouterr().err
-    monkeypatch.setattr(assumed, "PATIENCE_S", -1.0)
-    assert main(arguments) == 3
-    assert "tries whether a patient of anyone fits, 1 of" in capsys.readouterr().err
 
 
 def test_a_model_of_known_anatomy_needs_no_label_either(tmp_path, capsys):
