@@ -15,13 +15,13 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_490,
+    "lines that README's commands load": 35_549,
     "lines of everything else": 14_394,
-    "lines that a step loads": 12_602,
-    "lines that eval compare loads": 21_901,
-    "lines": 48_884,
-    "files": 441,
-    "functions": 2_844,
+    "lines that a step loads": 12_678,
+    "lines that eval compare loads": 21_984,
+    "lines": 49_481,
+    "files": 443,
+    "functions": 2_872,
 }
 STEP = """
 import gymnasium, jawenv
