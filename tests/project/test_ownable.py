@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
     "lines that README's commands load": 35_549,
-    "lines of everything else": 14_394,
+    "lines of everything else": 13_932,
     "lines that a step loads": 12_678,
     "lines that eval compare loads": 21_984,
     "lines": 49_481,
