@@ -1,7 +1,6 @@
 """Closing force at the incisors and its stiffness, by muscle, side and in all, at openings that a recording reached.
 
-Where a jaw follows another law than the exponential, F_o and b are numbers of a law that is not its own. What its
-muscles pull with at openings that were seen is known all the same.
+What the muscles pull with at openings that were seen needs no word about the closed jaw or the law beyond them.
 """
 
 from __future__ import annotations

@@ -55,9 +55,9 @@ class Still(Midline):
 
 
 class Shaken(Midline):
-    """At rest somewhere else in each episode, for a step of half a tick."""
+    """At rest somewhere else in each episode, for a step of a quarter of a tick."""
 
-    step_s = 0.005
+    step_s = 0.0025
 
     def reset(self, patient, rng):
         super().reset(patient, rng)

@@ -29,9 +29,3 @@ def test_an_output_in_use_is_refused_in_one_line(tmp_path, capsys, command, outp
     error = capsys.readouterr().err.splitlines()[-1]
     assert error == f"error: {path}: in use by another process; wait for it, or name another output"
     assert list(tmp_path.rglob("*")) == before
-
-
-def test_courses_of_a_patient_in_use_are_refused(tmp_path, capsys):
-    with alone(tmp_path / "treatments"):
-        assert main(["patient", "hold_still", *SHORT, "--output", str(tmp_path)]) == 2
-    assert "treatments: in use by another process" in capsys.readouterr().err

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 import yaml
 
-from agents.registry import load_agent, names
+from agents.registry import load_agent
 from jawenv.base.errors import InputError
 from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.maneuvers.maneuver import FOLDER, Maneuver
 
 README = Path(__file__).parents[2] / "agents" / "README.md"
@@ -23,7 +24,7 @@ def example() -> dict:
     return yaml.safe_load(found.group(1))
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", maneuver_names())
 def test_every_file_loads_under_its_own_name(name: str) -> None:
     maneuver = Maneuver.load(FOLDER / f"{name}.yaml")
     assert maneuver.name == name and maneuver.title and maneuver.description and maneuver.source

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import jawenv  # noqa: F401  (registers the environment)
-from agents import load_agent, names
+from agents import load_agent
 from jawenv.envs.observation import OBSERVATION_LAYOUT, POSE_SCALE
+from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.maneuvers.maneuver import Player
 
 PATIENTS, SEED, CONTROL_HZ = 6, 10_000, 20
@@ -25,7 +26,9 @@ SEARCHED += ("refined", "refined_one_sided", "refined_force", "refined_imaged")
 TOLERANCE_SEARCHED = {"trajectory": (0.055, 0.25, 0.12), "force": (0.3, 0.3, 0.06)}
 # Found for servos, and too quick for thrusts: stiff jaws cross hard limits in force control.
 OF_SERVOS = ("refined", "refined_one_sided", "refined_imaged", "information_optimal")
-PLAYED = [(name, control) for control in CONTROLS for name in names() if control != "force" or name not in OF_SERVOS]
+PLAYED = [
+    (name, control) for control in CONTROLS for name in maneuver_names() if control != "force" or name not in OF_SERVOS
+]
 
 
 class Episode(NamedTuple):
@@ -96,6 +99,6 @@ def test_the_order_of_information_is_that_of_the_motions(control: str) -> None:
 @pytest.mark.parametrize("control", CONTROLS)
 def test_what_was_searched_teaches_more_than_all_that_was_made_by_hand(control: str) -> None:
     """On patients that the search has not seen, and in a control mode that it has not seen either."""
-    best_by_hand = max(play(name, control).information.mean() for name in names() if name not in SEARCHED)
+    best_by_hand = max(play(name, control).information.mean() for name in maneuver_names() if name not in SEARCHED)
     for name in (name for name in SEARCHED if (name, control) in PLAYED):
         assert play(name, control).information.mean() > best_by_hand + 0.3, name
