@@ -28,6 +28,7 @@ from eval.figures import statistics, words
 from jawenv.anatomy import COHORTS
 from jawenv.answers.answer import Answer
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
+from jawenv.inference.treatable import treatable
 from jawenv.metrics.diagnosis import BLOCKED_B, STIFF_F_O_N
 from jawenv.metrics.verdicts import BLOCKED, BOTH, FINDINGS, STIFF
 from jawenv.recordings.columns import ENCODERS, READINGS, TIME
@@ -149,10 +150,10 @@ def recordings_of(
         "knowledge": "imaged",
         "track_bound": False,
     } | world
-    drawn = (
-        COHORTS[world["cohort"]].draw(np.random.default_rng(arguments.seed + i)) for i in range(arguments.patients)
-    )
-    people = [patient.model_copy(update={"head_tilt_deg": tilt}) for patient in drawn]
+    people: Any = arguments.patients
+    if tilt != 0.0:
+        rows = COHORTS[world["cohort"]].sample(people, arguments.seed, accept=treatable)
+        people = [jawenv.Patient.from_log_parameters(row, head_tilt_deg=tilt) for row in rows]
     played = jawenv.play(load_agent(movement), patients=people, seed=arguments.seed, env_kwargs=kwargs)
     assert played.records is not None
     return played.records
@@ -179,7 +180,7 @@ def people(arguments: argparse.Namespace) -> None:
     kinds += [("anyone", f"size {size:g}", {"anatomy": sized(size)}) for size in (0.85, 0.93, 1.07, 1.15)]
     kinds += [("anyone", "size 0.93, the table's anatomy", {"anatomy": sized(0.93), "reality": NO_SCAN})]
     tilts = (-20.0, -45.0, -80.0)
-    kinds += [("anyone", f"head at {tilt:g} degrees", {"tilt": tilt}) for tilt in tilts]
+    kinds += [("trismus", f"head at {tilt:g} degrees", {"tilt": tilt}) for tilt in tilts]
     kinds += [("anyone", "the table's anatomy, a bench's small errors", {"reality": NO_SCAN | SMALL_ERRORS})]
     _row("cohort", "people", *HEAD)
     print("|---|---|" + 4 * "--:|", flush=True)

@@ -107,13 +107,16 @@ def _is_log(table: RecordTable, columns: Path | None) -> bool:
 def _identified(
     table: RecordTable, record: Record, reading: dict[str, Any]
 ) -> tuple[Record, Identification, Learnt | None]:
-    """The recording and its identification; of a jaw of its own size where one of the table's is not believed."""
+    """The recording and its identification; of a jaw of its own size where that is simpler."""
     found, learnt = identified_with_errors(record)
-    own = None if found.believable else in_its_size(table, record, **reading)
+    if found.believable and (learnt is None or learnt.usual):
+        return record, found, learnt
+    own = in_its_size(table, record, **reading)
     if own is not None:
-        again, sizes = identified_with_errors(own)
-        if again.believable:
-            return own, again, sizes
+        again, errors = identified_with_errors(own)
+        simpler = learnt is None or errors is None or errors.probability > learnt.probability
+        if again.believable and (simpler or not found.believable):
+            return own, again, errors
     return record, found, learnt
 
 

@@ -25,7 +25,9 @@ from jawenv.recordings.table import RecordTable
 SMALLEST, LARGEST = 0.6, 1.5
 UNTOLD, SURE_SDS = 0.02, 3.0
 """A size nearer to 1, or by fewer of its sds away, is that of the table."""
-MOUTHPIECE_MM = 1.0
+MOUTHPIECE_MM, MOST_SD = 1.0, 0.01
+"""Sd of the mouthpiece's place where the size is of the motion, at least; sd of a size that is none."""
+STARTS = (0.8, 1.0, 1.2)
 _HEIGHT_SD = 0.2e-3  # m, of errors that last
 _FOSSA_SD, _SEAT_SD, _PITCH_SD = 0.1, 0.5e-3, np.radians(0.5)
 _ROWS, _TELLING = 100, 30.0  # that are fitted; rows with errors of their own, as which all count
@@ -41,11 +43,11 @@ def in_its_size(table: RecordTable, record: Record, **reading: Any) -> Record | 
         **reading: arguments of ``load_record``.
     """
     given = reading.get("anatomy") is not None or "jaw" in table.header or "anatomy" in table.header
-    size = 1.0 if given or record.knowledge.exact else size_of(record)
-    if size == 1.0:
+    size, sd = (1.0, 0.0) if given or record.knowledge.exact else size_of(record)
+    if size == 1.0 or sd > MOST_SD:
         return None
     again = load_record(table, BENCH, **(reading | {"anatomy": sized(size)}))
-    place = max(again.knowledge.mouthpiece_mm, MOUTHPIECE_MM)  # a size off by 1 % moves it so far
+    place = max(MOUTHPIECE_MM, 1e3 * sd * float(np.linalg.norm(again.jaw["mouthpiece"])))
     return replace(again, knowledge=replace(again.knowledge, mouthpiece_mm=place))
 
 
@@ -58,15 +60,15 @@ def size_in(jaw: Any) -> float:
     return size if same else 1.0
 
 
-def size_of(record: Record) -> float:
-    """Size over the table's of the jaw that moves so; 1 where it hardly moves, or within ``UNTOLD``.
+def size_of(record: Record) -> tuple[float, float]:
+    """Size over the table's of the jaw that moves so, and its sd; 1 where it hardly moves, or within ``UNTOLD``.
 
     Args:
         record: with places and angles of the mouthpiece.
     """
     pose = record.measured[np.isfinite(record.measured[:, :6]).all(axis=1), :6]
     if len(pose) < _ROWS or np.ptp(pose[:, 3]) < _LEAST_PITCH:
-        return 1.0
+        return 1.0, np.inf
     pose = pose[np.linspace(0, len(pose) - 1, _ROWS).astype(int)]
     weight = np.sqrt(_TELLING / len(pose)) / _HEIGHT_SD
 
@@ -74,11 +76,10 @@ def size_of(record: Record) -> float:
         return np.append(weight * _height_error(pose[:, :3], pose[:, 3:], guess), guess[1:])
 
     low, high = np.array([SMALLEST, *[-4.0] * 5]), np.array([LARGEST, *[4.0] * 5])
-    starts = np.linspace(0.75, 1.3, 12)
-    begun = min(starts, key=lambda size: float(np.square(residuals(np.array([size, *[0.0] * 5]))).sum()))
-    found = least_squares(residuals, [begun, *[0.0] * 5], bounds=(low, high))
+    ways = (least_squares(residuals, [size, *[0.0] * 5], bounds=(low, high)) for size in STARTS)
+    found = min(ways, key=lambda way: float(way.cost))
     size, sd = float(found.x[0]), float(np.linalg.inv(found.jac.T @ found.jac)[0, 0] ** 0.5)
-    return 1.0 if abs(size - 1.0) < max(UNTOLD, SURE_SDS * sd) else size
+    return (1.0, sd) if abs(size - 1.0) < max(UNTOLD, SURE_SDS * sd) else (size, sd)
 
 
 def _height_error(place: Array, angles: Array, guess: Array) -> Array:

@@ -15,13 +15,13 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 35_549,
-    "lines of everything else": 13_932,
+    "lines that README's commands load": 35_562,
+    "lines of everything else": 13_933,
     "lines that a step loads": 12_678,
     "lines that eval compare loads": 21_984,
-    "lines": 49_481,
+    "lines": 49_495,
     "files": 443,
-    "functions": 2_872,
+    "functions": 2_874,
 }
 STEP = """
 import gymnasium, jawenv

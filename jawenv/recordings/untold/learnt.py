@@ -46,6 +46,16 @@ class Learnt:
     shown: Shown  # the reasons, to be drawn
     rival: Array | None  # (p,) parameters that explain the readings as well, and that the belief excludes
 
+    @property
+    def probability(self) -> float:
+        """Logarithm of the weight that the sizes had beforehand: how simple the explanation is."""
+        return float(beforehand(np.array([list(self.sizes.values())]))[0])
+
+    @property
+    def usual(self) -> bool:
+        """Whether no error beyond a scan's was found."""
+        return all(self.sizes[name] == levels[0] for name, levels in LEVELS.items() if name != "scan")
+
 
 def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
     """The belief of a recording from the filter's last; None where nothing can be learnt of errors.
