@@ -34,6 +34,7 @@ from jawenv.metrics import time_to
 MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
 LOT, SECONDS = 50, 30.0  # patients that are played together; length of an episode
 BUDGET_S = 1.0 / 30.0
+FIGURES = ("at an eighth, a quarter", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10")
 LOST = 10.0  # NEES over the number of parameters
 RICH, SWINGS, PLAIN = "refined", "opening_with_swings_and_fore_aft", "slow_opening"
 ONE_CHANNEL = "examples/one_channel.yaml"
@@ -131,23 +132,14 @@ def head(*cells):
 
 
 def corners(arguments):
-    head("control", "at an eighth, a quarter", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest", "rings, %")
+    head("control", *FIGURES, "largest", "rings, %")
     for control in CONTROLS:
         sample = beliefs(_Held(control), arguments, control=control)
         _row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
 
 
 def memory(arguments):
-    head(
-        "agent",
-        "true time, s",
-        "told, s",
-        "at an eighth, a quarter",
-        "NEES/12, 30 s",
-        "inside 2 sd, %",
-        "beyond 10",
-        "rings, %",
-    )
+    head("agent", "true time, s", "told, s", *FIGURES, "rings, %")
     for name, time, factor in product((RICH, SWINGS, PLAIN), (0.05, 0.1, 0.5, 1.0, 2.0), (1.0, 1.0 / 3.0, 3.0)):
         kwargs = {"device": {"unmodelled_time_s": time * factor}, "reality": {"unmodelled_time_s": time}}
         sample = beliefs(load_agent(name), arguments, **kwargs)
@@ -156,17 +148,7 @@ def memory(arguments):
 
 def bias(arguments):
     """Print for each cohort and control the agent under which estimates lie furthest to one side."""
-    head(
-        "cohort",
-        "control",
-        "agent",
-        "at an eighth, a quarter",
-        "NEES/12, 30 s",
-        "inside 2 sd, %",
-        "beyond 10",
-        "largest mean z",
-        "of",
-    )
+    head("cohort", "control", "agent", *FIGURES, "largest mean z", "of")
     names = COHORTS[next(iter(COHORTS))].muscles.parameter_names
     for cohort, control in product(COHORTS, CONTROLS):
         rows = []
@@ -180,16 +162,7 @@ def bias(arguments):
 
 
 def alarm(arguments):
-    head(
-        "cohort",
-        "control",
-        "agent",
-        "at an eighth, a quarter",
-        "NEES/12, 30 s",
-        "inside 2 sd, %",
-        "beyond 10",
-        "rings, %",
-    )
+    head("cohort", "control", "agent", *FIGURES, "rings, %")
     total = []
     for cohort, control in product(COHORTS, CONTROLS):
         rows = []
@@ -201,16 +174,7 @@ def alarm(arguments):
         _row(cohort, control, *max(rows)[2])  # who rings most, then who is furthest off
     rings = np.concatenate(total)
     print(f"\n{rings.sum()} of {len(rings)} honest episodes ring: {100.0 * rings.mean():.2f} %\n", flush=True)
-    head(
-        "not told",
-        "agent",
-        "at an eighth, a quarter",
-        "NEES/12, 30 s",
-        "inside 2 sd, %",
-        "beyond 10",
-        "NEES/12 > 4",
-        "of these ring, %",
-    )
+    head("not told", "agent", *FIGURES, "NEES/12 > 4", "of these ring, %")
     arguments.patients *= 2
     for reality, name in product(UNTOLD, (RICH, SWINGS, PLAIN)):
         sample = beliefs(load_agent(name), arguments, reality=reality)
@@ -278,17 +242,7 @@ def effects(arguments):
 
 def jaws(arguments):
     """Imaged ones as in ``JawImaged-v3``, where the disturbance has a memory as well."""
-    head(
-        "filter",
-        "agent",
-        "true jaw",
-        "at an eighth, a quarter",
-        "NEES/12, 30 s",
-        "inside 2 sd, %",
-        "beyond 10",
-        "worst / median sd",
-        "rings, %",
-    )
+    head("filter", "agent", "true jaw", *FIGURES, "worst / median sd", "rings, %")
     plants = {"its own": None, "MuJoCo": MUJOCO}
     filters = {
         "one point": {"knowledge": "exact"},

@@ -88,7 +88,10 @@ def identify(
             raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
         if len(paths) > 1:
             print(f"reads {path}, {number} of {len(paths)}", file=sys.stderr, flush=True)
-        records[number - 1], one, errors = _identified(tables[number - 1], record, reading)
+        if len(paths) == 1:
+            records[0], one, errors = _identified(tables[0], record, reading)
+        else:  # which have to be of one jaw
+            one, errors = identified_with_errors(record)
         each.append((one, errors))
     found, learnt = [one for one, _ in each], each[0][1]
     if len(found) == 1:

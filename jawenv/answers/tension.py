@@ -67,7 +67,7 @@ def _along_the_way(record: Record) -> tuple[Array, Array, Array]:
 
     The condyles slide with the pitch as they did in the recording.
     """
-    jaw, read = record.jaw, np.flatnonzero(np.isfinite(record.measured[:, :6]).all(axis=1))
+    jaw, read = record.jaw, np.flatnonzero(np.isfinite(record.measured).any(axis=1))
     rows = record.measured[read[np.linspace(0, len(read) - 1, min(_ROWS, len(read))).astype(int)]]
     poses = np.array([motion_of_reading(jaw, row, record.measurement_sd)[:5] for row in rows])
     pitch = poses[:, 2]

@@ -31,6 +31,7 @@ STARTS = (0.8, 1.0, 1.2)
 _HEIGHT_SD = 0.2e-3  # m, of errors that last
 _FOSSA_SD, _SEAT_SD, _PITCH_SD = 0.1, 0.5e-3, np.radians(0.5)
 _ROWS, _TELLING = 100, 30.0  # that are fitted; rows with errors of their own, as which all count
+_FARTHEST = 3.0  # m or rad, beyond which no jaw is
 _LEAST_PITCH = 0.05  # rad that the jaw turns by, or its size is not seen
 
 
@@ -67,7 +68,7 @@ def size_of(record: Record) -> tuple[float, float]:
         record: with places and angles of the mouthpiece.
     """
     pose = record.measured[np.isfinite(record.measured[:, :6]).all(axis=1), :6]
-    if len(pose) < _ROWS or np.ptp(pose[:, 3]) < _LEAST_PITCH:
+    if len(pose) < _ROWS or np.ptp(pose[:, 3]) < _LEAST_PITCH or np.abs(pose).max() > _FARTHEST:
         return 1.0, np.inf
     pose = pose[np.linspace(0, len(pose) - 1, _ROWS).astype(int)]
     weight = np.sqrt(_TELLING / len(pose)) / _HEIGHT_SD
@@ -78,7 +79,7 @@ def size_of(record: Record) -> tuple[float, float]:
     low, high = np.array([SMALLEST, *[-4.0] * 5]), np.array([LARGEST, *[4.0] * 5])
     ways = (least_squares(residuals, [size, *[0.0] * 5], bounds=(low, high)) for size in STARTS)
     found = min(ways, key=lambda way: float(way.cost))
-    size, sd = float(found.x[0]), float(np.linalg.inv(found.jac.T @ found.jac)[0, 0] ** 0.5)
+    size, sd = float(found.x[0]), float(np.linalg.pinv(found.jac.T @ found.jac)[0, 0] ** 0.5)
     return (1.0, sd) if abs(size - 1.0) < max(UNTOLD, SURE_SDS * sd) else (size, sd)
 
 

@@ -15,11 +15,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 35_562,
+    "lines that README's commands load": 35_566,
     "lines of everything else": 13_933,
     "lines that a step loads": 12_678,
     "lines that eval compare loads": 21_984,
-    "lines": 49_495,
+    "lines": 49_453,
     "files": 443,
     "functions": 2_874,
 }

@@ -1,6 +1,7 @@
 """People without a scan, of another size, or who lie: found from their own recordings, and said."""
 
 import argparse
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -47,6 +48,16 @@ def test_a_jaw_of_another_size_is_read_at_its_size_and_an_anatomy_can_be_given(t
     given, share = answer(record, tmp_path, anatomy=sized(0.85))
     assert given.believed and share < 4.0
     assert size_of(recordings_of(ASKED, "refined", cohort="trismus")[0])[0] == 1.0
+
+
+@pytest.mark.parametrize("unread", [slice(3, 6), slice(0, 3)])
+def test_a_tracker_of_places_or_of_angles_alone_has_an_answer_in_newtons(unread):
+    world = {"record": True, "episode_s": 20.0, "control": "targets", "track_bound": False}
+    record = jawenv.play(jawenv.Player("slow_opening"), patients=1, seed=5, env_kwargs=world).records[0]
+    whole, measured = tensions_of(record, record.truth, 1e-4 * np.eye(12)), record.measured.copy()
+    measured[:, unread] = np.nan
+    found = tensions_of(replace(record, measured=measured), record.truth, 1e-4 * np.eye(12))
+    assert found["all"] and found["all"][0].force_N == pytest.approx(whole["all"][0].force_N, rel=0.1)
 
 
 def test_forces_at_the_incisors_do_the_work_that_the_muscles_store():

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jawenv.anatomy.knowledge import IMAGED
 from jawenv.base.errors import InputError
 from jawenv.mechanics.building import gravity_in_head
 from jawenv.recordings.defaults import UNMODELLED_TIME, tilt_of
@@ -129,7 +130,8 @@ def _lying(
 def _tilted(record: Record, sds: float) -> Record:
     """The record of a head that is pitched down by so many sds more."""
     jaw = record.jaw.copy()
-    tilt = tilt_of(jaw) + sds * record.knowledge.head_tilt_deg
+    sd = IMAGED.head_tilt_deg if record.knowledge.exact else record.knowledge.head_tilt_deg  # as ``blocks_of`` has it
+    tilt = tilt_of(jaw) + sds * sd
     jaw["gravity"] = gravity_in_head(float(np.linalg.norm(jaw["gravity"])), tilt)
     return replace(record, jaw=jaw)
 
@@ -156,9 +158,7 @@ def identified_with_errors(record: Record) -> tuple[Identification, Learnt | Non
         return replace(found, rival=_CONTRADICTION), None
     if last is None:
         return found, None
-    if (
-        last.sizes["lines"] > 1.0 or last.jaw is not record.jaw
-    ):  # the gate and the alarm judge by the jaw that was learnt
+    if last.jaw is not record.jaw:  # the gate and the alarm judge by the jaw that was learnt
         found = replace(identified(replace(record, jaw=last.jaw)), estimate=found.estimate)
     mean[-1], cov[-1] = last.mean, last.cov
     estimate = replace(found.estimate, mean=mean, cov=cov)
