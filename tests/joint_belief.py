@@ -1,9 +1,9 @@
 """A moving jaw, as the plain filters carry it, and dense derivatives by an independent model."""
 
 import numpy as np
+from numpy_model import step, step_with_derivative
 
 import jawenv
-from jawenv.references.numpy_model import step, step_with_derivative
 
 DT = 0.01
 STATE, PARAMETERS, GAIN = slice(0, 10), slice(10, 22), 22

@@ -4,12 +4,12 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from newton_euler import measurement
+from numpy_model import step
 
 import jawenv
 from agents import load_agent
 from jawenv.mechanics import build_jaw
-from jawenv.mechanics.newton_euler import measurement
-from jawenv.references.numpy_model import step
 
 SWINGS = "opening_with_swings_and_fore_aft"
 

@@ -1,21 +1,42 @@
 """The environments' filter along a record, step by step, and what its kernels compute in plain NumPy."""
 
+from collections import namedtuple
 from dataclasses import replace
 
 import newton_euler as twin
 import numpy as np
 
-from jawenv.filter.belief.state import begin_belief, begin_motion, shared_columns
+from jawenv.filter.belief.state import begin_belief, begin_motion, belief_dtype, shared_columns
 from jawenv.filter.model.encoders import measure
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
+from jawenv.filter.tick import ROW, begin_filter, filter_scratch_dtype
 from jawenv.filter.updates.instrument import FIRST_READINGS
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_motion
 from jawenv.kernels.linalg import mirror
+from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.recordings.record_filter import FilterRun
+from jawenv.recordings.filter_settings import settings_of_record
 
 ALL = np.ones(12, dtype=np.uint8)
+
+
+Arguments = namedtuple("Arguments", "jaw belief kept rows settings scratch")
+"""Arguments of the kernels that filter a record; ``kept`` is the belief as the last replay left it."""
+
+
+class FilterRun:
+    """The kernels' inputs for the filter of a record: the jaw, and memory as before the first reading."""
+
+    def __init__(self, record):
+        states, muscles = len(record.start_mean), len(record.parameter_names) // 2
+        settings = settings_of_record(record)
+        rows = record_zeros(len(record.time), ROW)
+        rows["measured"], rows["samples"][1:] = record.measured, record.samples
+        self.belief, kept = record_zeros(2, belief_dtype(muscles, states))
+        scratch = record_zeros(1, filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
+        begin_filter(record.jaw, self.belief, record.start_mean, settings)
+        self.arguments = Arguments(record.jaw, self.belief, kept, rows, settings, scratch)
 
 
 class Running:

@@ -1,12 +1,12 @@
 """Helpers for the tests of the plant in the sagittal plane: the symmetric jaw, its midline motion, its energy."""
 
 import numpy as np
+from newton_euler import runge_kutta
 
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import linear_dtype, state_rate
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import fossa, rotation
-from jawenv.mechanics.newton_euler import runge_kutta
 
 LAW = (1.5, 7.0)  # F_o (N) and b of every line: opens by some 24 mm under 5 N at the incisors
 

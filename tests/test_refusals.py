@@ -32,7 +32,6 @@ from jawenv.playing.rollout import information_bound, play
 from jawenv.playing.singles import SingleWorlds
 from jawenv.recordings.record_filter import TensionFilter
 from jawenv.references.extended_kalman import ExtendedKalman
-from jawenv.references.filterpy_filters import FilterpyExtendedKalman
 from jawenv.rendering import Renderer
 from training.run.config import Residual, TrainingConfig
 from training.search.gradient import search
@@ -117,7 +116,6 @@ LABORATORY = [
     ("parameter_rate -1.0 allowed", lambda: ExtendedKalman(parameter_rate=-1.0)),
     ("parameter_time 0.0 allowed", lambda: ExtendedKalman(parameter_time=0.0)),
     ("every 0 allowed", lambda: ExtendedKalman(every=0)),
-    ("every 0 allowed", lambda: FilterpyExtendedKalman(every=0)),
     ("starts 0 allowed", lambda: NonlinearLeastSquares(starts=0)),
     ("form sum allowed", lambda: TwoStageLogLinear("sum")),
     ("small_share 1 allowed", lambda: TwoStageLogLinear(small_share=1.0)),

@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jawenv.mechanics.newton_euler import muscle_lengths
-from jawenv.mechanics.passive_opening import opening_of
+from jawenv.mechanics.passive_opening import muscle_lengths, opening_of
 from jawenv.recordings.defaults import motion_of_reading
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
@@ -81,7 +80,7 @@ def _along_the_way(record: Record) -> tuple[Array, Array, Array]:
     opening, way = opening[opens], way[opens]
     if len(opening) < _FEWEST:
         return opening, opening, opening
-    lengths = muscle_lengths(jaw, way)
+    lengths = np.array([muscle_lengths(jaw, pose) for pose in way])
     return opening, lengths / jaw["l_o"] - 1.0, np.gradient(lengths, opening, axis=0)
 
 

@@ -18,7 +18,6 @@ PACKAGES = (
     "llvmlite",
     "scipy",
     "pymunk",
-    "filterpy",
     "torch",
     "stable-baselines3",
     "sb3-contrib",

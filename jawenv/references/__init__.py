@@ -1,1 +1,1 @@
-"""Estimators to compare the online filter with: joint Kalman filters, filterpy's."""
+"""Estimators to compare the online filter with: joint Kalman filters."""

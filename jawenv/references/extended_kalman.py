@@ -15,14 +15,7 @@ from jawenv.base.errors import InputError
 from jawenv.recordings.estimate import Estimate
 from jawenv.recordings.record import Record
 from jawenv.references.extended_kalman_kernel import Problem, filter_record
-from jawenv.references.initial import (
-    check_every,
-    check_noise,
-    initial_belief,
-    output_ticks,
-    parameter_noise,
-    working_memory,
-)
+from jawenv.references.initial import initial_belief, output_ticks, parameter_noise, working_memory
 
 Array = NDArray[np.float64]
 Scale = Literal["log", "linear"]
@@ -50,8 +43,14 @@ class ExtendedKalman:
     ) -> None:
         if scale not in get_args(Scale):
             raise InputError(f"ExtendedKalman: scale is {scale!r}; allowed: {' and '.join(get_args(Scale))}")
-        check_noise("ExtendedKalman", parameter_rate, parameter_time)
-        check_every("ExtendedKalman", every)
+        if not 0.0 <= parameter_rate < np.inf:
+            raise InputError(f"ExtendedKalman: parameter_rate is {parameter_rate!r}; allowed: numbers from 0 on")
+        if not parameter_time > 0.0:
+            raise InputError(
+                f"ExtendedKalman: parameter_time is {parameter_time!r}; allowed: numbers above 0, and infinity"
+            )
+        if every < 1:
+            raise InputError(f"ExtendedKalman: every is {every!r}; allowed: whole numbers from 1 on")
         self.scale, self.every = scale, every
         self.parameter_rate, self.parameter_time = parameter_rate, parameter_time
         self.name = f"extended Kalman, {scale}"

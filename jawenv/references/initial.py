@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
-from jawenv.filter.readings.cell_trend import TREND_TIME
 from jawenv.kernels.records import record_zeros
 from jawenv.recordings.record import Record
 
@@ -34,22 +32,6 @@ def working_memory(record: Record) -> Any:
     return record_zeros(1, joint_scratch_dtype(muscles, lines, len(record.start_mean)))[0]
 
 
-def mean_readings(record: Record) -> Array:
-    """(T, 6) the load cell's mean over each tick, by Simpson's rule."""
-    samples = record.samples
-    means: Array = (samples[:, 0] + 4.0 * samples[:, 1] + samples[:, 2]) / 6.0
-    return means
-
-
-def trends(record: Record) -> Array:
-    """(T, 6) trend of the load cell at the start of each tick, by the law of ``cell_trend.follow_trend``."""
-    follow, means = -np.expm1(-record.dt / TREND_TIME), mean_readings(record)
-    rows = np.zeros_like(means)
-    for k in range(len(rows) - 1):
-        rows[k + 1] = rows[k] + follow * (means[k] - rows[k])
-    return rows
-
-
 def parameter_noise(record: Record, rate: float, time_constant: float) -> Array:
     """(T,) process-noise variance of each log-parameter in each tick: the integral of a decaying variance rate.
 
@@ -66,21 +48,7 @@ def parameter_noise(record: Record, rate: float, time_constant: float) -> Array:
     return noise
 
 
-def check_noise(name: str, rate: float, time_constant: float) -> None:
-    """Check the law of the parameters' noise of the estimator ``name``."""
-    if not 0.0 <= rate < np.inf:
-        raise InputError(f"{name}: parameter_rate is {rate!r}; allowed: numbers from 0 on")
-    if not time_constant > 0.0:
-        raise InputError(f"{name}: parameter_time is {time_constant!r}; allowed: numbers above 0, and infinity")
-
-
 def output_ticks(record: Record, every: int) -> NDArray[np.int64]:
     """Numbers of the times of a record of which an estimate is kept: each ``every``-th, and the last."""
     last = len(record.time) - 1
     return np.unique(np.append(np.arange(0, last, every), last))
-
-
-def check_every(name: str, every: int) -> None:
-    """Check by how many ticks the kept estimates of the estimator ``name`` are apart."""
-    if every < 1:
-        raise InputError(f"{name}: every is {every!r}; allowed: whole numbers from 1 on")

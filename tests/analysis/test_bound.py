@@ -5,13 +5,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numpy_model import measurement_with_derivative, step_with_derivative
 
 import jawenv
 from agents import load_agent
 from jawenv.analysis.bound import bound_along
 from jawenv.base.errors import InputError
 from jawenv.filter.readings.cell_trend import TREND_TIME
-from jawenv.references.numpy_model import measurement_with_derivative, step_with_derivative
 
 N, P = 10, 12  # motion and parameters of the reference model
 SHORT = 0.2  # s; the independent model takes its time

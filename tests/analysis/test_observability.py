@@ -6,11 +6,11 @@ from functools import cache
 import newton_euler as twin
 import numpy as np
 import pytest
+from numpy_model import step
 
 import jawenv
 from agents import load_agent
 from jawenv.analysis.observability import numerical_rank, observability
-from jawenv.references.numpy_model import step
 
 TICKS = 6
 

@@ -25,10 +25,6 @@ from speeds import WORLDS, Row, Sinusoids, Size, humanoid, ladder_speeds, run_si
 
 import jawenv
 from jawenv.playing.rollout import DEFAULT_ENV
-from jawenv.recordings.estimate import Estimator
-from jawenv.recordings.record import Record
-from jawenv.references.extended_kalman import ExtendedKalman
-from jawenv.references.filterpy_filters import FilterpyExtendedKalman
 
 HEAVY = ("torch", "matplotlib", "pymunk")
 IMPORT = f"""
@@ -48,36 +44,6 @@ print(time.time(), time.process_time())
 
 
 FULL, QUICK = Size(), Size(2, 500, 1.0, 1, 20_000, 1_000)
-
-
-def seconds_for(estimator: Estimator, record: Record) -> float:
-    start = time.perf_counter()
-    estimator.estimate(record)
-    return time.perf_counter() - start
-
-
-def filter_speeds(size: Size) -> list[Row]:
-    """The compiled plain filter beside filterpy's, which gives the same numbers, on one recorded episode.
-
-    filterpy's has the model in NumPy, as one would write it with filterpy. With ours compiled inside, what remains is
-    the filter's own algebra.
-    """
-    say("speed: filters over a record")
-    played = jawenv.play(Sinusoids(), patients=1, seed=0, env_kwargs={"record": True, "episode_s": 10.0})
-    record = played.records[0]
-    filters = (ExtendedKalman(), FilterpyExtendedKalman(), FilterpyExtendedKalman(compiled_model=True))
-    for one in filters:  # kernels are compiled, or read from the cache, before the clock runs
-        one.estimate(record.until(0.1))
-    times = np.array([[seconds_for(one, record) for one in filters] for _ in range(size.repeats)])
-    mine, theirs, half = 1e3 * np.median(times, axis=0)
-    ratio, of_algebra = np.median(times[:, 1:] / times[:, :1], axis=0)
-    return [
-        Row("filterpy's extended Kalman filter, NumPy model, 10 s of record", f"{theirs:,.0f} ms"),
-        Row("  the same with the compiled model inside", f"{half:.0f} ms"),
-        Row("ExtendedKalman on the same", f"{mine:.1f} ms"),
-        Row("  over filterpy's, median of paired ratios", f"{ratio:.0f} x", ">= 30 x", bool(ratio >= 30.0)),
-        Row("  over filterpy's with the compiled model", f"{of_algebra:.0f} x"),
-    ]
 
 
 def bound_speed(size: Size) -> list[Row]:
@@ -197,7 +163,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure speed, growth of memory and start-up of jawenv.")
     parser.add_argument("--quick", action="store_true", help="small numbers, to see that it runs")
     size = QUICK if parser.parse_args().quick else FULL
-    parts = (speeds, filter_speeds, bound_speed, memory, start_up, ladder_speeds)
+    parts = (speeds, bound_speed, memory, start_up, ladder_speeds)
     show(os.getloadavg(), [row for part in parts for row in part(size)])
 
 

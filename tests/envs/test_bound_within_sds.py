@@ -1,16 +1,16 @@
 """The bound where something is known only within an sd: written out in dense matrices by an independent model."""
 
 import gymnasium as gym
+import newton_euler
 import numpy as np
 import pytest
+from numpy_model import measurement_with_derivative, step, step_with_derivative
 
 import jawenv
 from agents import load_agent
 from jawenv.anatomy.knowledge import IMAGED
 from jawenv.device.device import TICK
 from jawenv.filter.nuisances.unknowns import changed_jaw, offset_of, turn_of
-from jawenv.mechanics import newton_euler
-from jawenv.references.numpy_model import measurement_with_derivative, step, step_with_derivative
 
 N, P = 10, 12  # motion and parameters
 EPS = 1e-3  # sds

@@ -3,6 +3,7 @@
 import gymnasium as gym
 import numpy as np
 import pytest
+from numpy_model import step
 from recorded import recording
 
 import jawenv
@@ -10,7 +11,6 @@ from jawenv.device.device import device_of
 from jawenv.envs.observation import Parts
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import MODELS
-from jawenv.references.numpy_model import step
 
 OTHERS = [env_id for env_id, name in ENVIRONMENTS.items() if name != "jaw"]
 STEPS = 30

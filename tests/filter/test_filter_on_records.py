@@ -19,7 +19,6 @@ from jawenv.metrics.calibration import nees_band
 from jawenv.recordings.files import load_record, save_record
 from jawenv.recordings.record_filter import TensionFilter
 from jawenv.references.extended_kalman import ExtendedKalman
-from jawenv.references.filterpy_filters import FilterpyExtendedKalman
 
 # As many columns as ``BODY`` has, and a mouthpiece that is turned.
 TURNED = Knowledge(attachments=0.1, fossa=0.1, mass=0.1, head_tilt_deg=3.0, mouthpiece_deg=0.5, damping=0.2)
@@ -83,7 +82,6 @@ def test_a_file_says_what_is_known_within_sds_and_gives_the_environments_belief(
     "estimate",
     [
         ExtendedKalman().estimate,
-        FilterpyExtendedKalman().estimate,
         NonlinearLeastSquares().estimate,
         TwoStageLogLinear().estimate,
         bound_along,

@@ -4,15 +4,15 @@ import newton_euler as twin
 import numpy as np
 import pytest
 from joint_belief import DT, GAIN, PARAMETERS, STATE, Belief, jacobians, model_step
+from numpy_model import fastest_rate as independent_rate
+from numpy_model import parts_needed as independent_parts
+from numpy_model import step_with_derivative
 
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
 from jawenv.filter.model.encoders import measure
 from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import TREND_TIME, follow_trend
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
-from jawenv.references.numpy_model import fastest_rate as independent_rate
-from jawenv.references.numpy_model import parts_needed as independent_parts
-from jawenv.references.numpy_model import step_with_derivative
 
 
 @pytest.fixture

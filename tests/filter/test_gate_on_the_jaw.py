@@ -12,7 +12,7 @@ from recorded import SWINGS, share
 import jawenv
 from agents import load_agent
 from jawenv.metrics.calibration import nees_band
-from jawenv.recordings.record_filter import FilterRun, filter_record
+from jawenv.recordings.online import OnlineFilter
 
 GLITCH = 0.01  # m
 SECONDS = 6.0
@@ -27,15 +27,15 @@ def sound(patients=4):
 
 
 def filtered(record):
-    """What the filter carries at the end, and mean and covariance of the parameters there."""
-    run = FilterRun(record)
-    means, covs = np.empty((1 + run.last // 5, 12)), np.empty((1 + run.last // 5, 12, 12))
-    filter_record(run.arguments, 5, means, covs)
-    return run.belief, means[-1], covs[-1]
+    """Number of refused ticks, mean and covariance of the parameters at the end."""
+    online = OnlineFilter.of_record(record)
+    for measured, samples in zip(record.measured, [None, *record.samples], strict=True):
+        belief = online.update(measured, samples)
+    return belief.gated, belief.log_mean, belief.log_cov
 
 
 def test_honest_ticks_pass():
-    assert [int(belief["gated"]) for _, belief, _, _ in sound()] == [0] * 4
+    assert [gated for _, gated, _, _ in sound()] == [0] * 4
 
 
 @settings(max_examples=12, deadline=None, derandomize=True, database=None)
@@ -45,8 +45,8 @@ def test_a_glitch_does_not_poison_what_comes_after(patient, tick, channel, sign)
     record, plain, mean, cov = sound()[patient]
     measured = record.measured.copy()
     measured[tick, channel] += sign * GLITCH
-    belief, other, other_cov = filtered(replace(record, measured=measured))
-    assert 1 <= belief["gated"] - plain["gated"] <= 30
+    gated, other, other_cov = filtered(replace(record, measured=measured))
+    assert 1 <= gated - plain <= 30
     sd = np.sqrt(np.diag(cov))
     assert (np.abs(other - mean) < 0.8 * sd).all()
     assert abs(np.linalg.slogdet(other_cov)[1] - np.linalg.slogdet(cov)[1]) < 0.4
@@ -60,8 +60,8 @@ def test_many_glitches_cost_information_alone():
         measured = record.measured.copy()
         ticks = np.arange(25, len(measured) - 25, 50)
         measured[ticks, rng.integers(0, 3, len(ticks))] += GLITCH * rng.choice([-1.0, 1.0], len(ticks))
-        belief, mean, other_cov = filtered(replace(record, measured=measured))
-        assert belief["gated"] >= len(ticks)
+        gated, mean, other_cov = filtered(replace(record, measured=measured))
+        assert gated >= len(ticks)
         assert np.linalg.slogdet(other_cov)[1] > np.linalg.slogdet(cov)[1] - 0.1
         shares.append(share(record, mean, other_cov))
     assert np.mean(shares) < nees_band(4, 12, 0.999)[1] / 12.0
@@ -80,8 +80,8 @@ def test_a_wrong_belief_is_no_wrong_reading(off):
         kwargs = {"record": True, "episode_s": 5.0, "track_bound": False, "cohort": "healthy"}
         played = jawenv.play(load_agent(SWINGS, control="force"), patients=[patient] * 2, seed=6300, env_kwargs=kwargs)
         for record in played.records:
-            belief, mean, cov = filtered(record)
-            assert belief["gated"] == 0
+            gated, mean, cov = filtered(record)
+            assert gated == 0
             assert share(record, mean, cov) < 4.0
             assert np.abs((mean - record.truth) / prior.sd)[parts == 1.0].mean() < 0.5 * abs(off)
 
@@ -91,7 +91,7 @@ def test_a_load_cell_that_jumps_is_survived():
     for record, _, mean, cov in sound():
         samples = record.samples.copy()
         samples[300, 1, 0] += 20.0
-        belief, other, other_cov = filtered(replace(record, samples=samples))
-        assert belief["gated"] <= 3
+        gated, other, other_cov = filtered(replace(record, samples=samples))
+        assert gated <= 3
         assert (np.abs(other - mean) < 0.8 * np.sqrt(np.diag(cov))).all()
         assert share(record, other, other_cov) < share(record, mean, cov) + 0.6

@@ -2,12 +2,12 @@
 
 import newton_euler as twin
 import numpy as np
+from numpy_model import fastest_rate, parts_needed, reading_at
 from scipy.linalg import expm
 
 import jawenv
 from jawenv.filter.model.motion_step import move, step_dtype
 from jawenv.mechanics import build_jaw
-from jawenv.references.numpy_model import fastest_rate, parts_needed, reading_at
 
 DT = 0.01
 STAGES = (0.0, 0.5, 0.5, 1.0)

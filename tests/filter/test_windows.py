@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from recorded import SWINGS, opening, share
+from running import FilterRun
 
 import jawenv
 from agents import load_agent
@@ -24,7 +25,7 @@ from jawenv.filter.tick import (
 from jawenv.filter.updates.measurement_update import SURPRISING
 from jawenv.metrics.calibration import nees, nees_band
 from jawenv.recordings.online import take_tick
-from jawenv.recordings.record_filter import FilterRun, TensionFilter
+from jawenv.recordings.record_filter import TensionFilter
 from jawenv.recordings.thinning import divided, thinned
 
 

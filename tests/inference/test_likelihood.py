@@ -9,12 +9,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numpy_model import measurement_with_derivative, step_with_derivative, trends
 from scipy.stats import chi2, multivariate_normal
 
 import jawenv
 from jawenv.ladder import model_named
-from jawenv.references.initial import trends
-from jawenv.references.numpy_model import measurement_with_derivative, step_with_derivative
 
 SOFT = np.log([0.5, 7.0] * 6)
 GENTLE = {"full_scale_N": 6.0, "slew_N_s": 12.0, "brake_N_s_m": 30.0}

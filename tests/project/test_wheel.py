@@ -70,7 +70,7 @@ def test_alone_it_brings_neither_pictures_nor_references(wheel: Path) -> None:
     alone = {one.name for one in required if one.marker is None or one.marker.evaluate({"extra": ""})}
     assert {"numpy", "numba", "gymnasium"} <= alone
     assert not alone & {"filterpy", "matplotlib", "pymunk", "pygame-ce", "torch", "pandas", "viser"}
-    extras = {"reference", "sagittal", "mujoco", "render", "live", "mocap", "sb3", "all"}
+    extras = {"sagittal", "mujoco", "render", "live", "mocap", "sb3", "all"}
     assert set(metadata.get_all("Provides-Extra", [])) == extras
     named = {extra for line in metadata.get_all("Requires-Dist", []) for extra in re.findall(r'extra == "(.+?)"', line)}
     assert named == extras

@@ -6,7 +6,6 @@ from tests.processes import python
 
 BLOCKED = (
     "matplotlib",
-    "filterpy",
     "pymunk",
     "mujoco",
     "pygame",
@@ -52,7 +51,6 @@ REFUSED = {
     "import jawenv.mechanics.mujoco_jaw": 'MujocoJaw needs mujoco: pip install "jawenv[mujoco]"',
     PICTURE: 'render_mode needs pygame: pip install "jawenv[render]"',
     "import jawenv.sb3": 'jawenv.sb3 needs stable_baselines3: pip install "jawenv[sb3]"',
-    "import jawenv.references.filterpy_filters": 'a reference filter needs filterpy: pip install "jawenv[reference]"',
 }
 REFUSALS = """
 import json

@@ -5,10 +5,10 @@ from math import inf
 
 import numpy as np
 import pytest
+from filterpy_filter import FilterpyExtendedKalman
 from recorded import held, recording
 
 from jawenv.references.extended_kalman import ExtendedKalman
-from jawenv.references.filterpy_filters import FilterpyExtendedKalman
 from jawenv.references.initial import parameter_noise
 
 
@@ -38,13 +38,6 @@ def test_the_compiled_filter_is_filterpys(record, gain_sd, noise):
 def test_so_it_is_where_a_jaw_cannot_leave_its_plane(record):
     short = held(replace(record.until(0.5), gain_sd=0.05))
     assert_same(ExtendedKalman().estimate(short), FilterpyExtendedKalman().estimate(short), 1e-9)
-
-
-def test_the_model_inside_filterpys_makes_no_difference(record):
-    short = replace(record.until(1.0), gain_sd=0.05)
-    independent, compiled = (FilterpyExtendedKalman(compiled_model=kind).estimate(short) for kind in (False, True))
-    assert_same(compiled, independent, 1e-9)
-    assert (compiled.mean != independent.mean).any(), "they are two"
 
 
 def test_readings_that_are_missing_are_skipped(record, rng):

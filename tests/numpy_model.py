@@ -1,29 +1,20 @@
 """One step of the filters' model and its derivative in plain NumPy: shares no compiled code with ``joint_step``.
 
-The mechanics are those of ``jawenv.mechanics.newton_euler``, the derivative is taken by the complex step (Squire &
+The mechanics are those of ``newton_euler``, the derivative is taken by the complex step (Squire &
 Trapp 1998), all columns at once. It is exact to rounding and verifies the kernels; it is hundreds of times slower.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from typing import Any
-
+import newton_euler
 import numpy as np
-from numpy.typing import NDArray
+from newton_euler import IMAGINARY_STEP
 
 from jawenv.filter.model.joint_step import N_NOISE
-from jawenv.mechanics import newton_euler
+from jawenv.filter.readings.cell_trend import TREND_TIME
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
-from jawenv.mechanics.newton_euler import Array
 from jawenv.mechanics.stiffness import LARGEST_PHASE, MOST_PARTS
 
-Real = NDArray[np.float64]
 
-IMAGINARY_STEP = 1e-30
-
-
-def _with_derivative(function: Callable[[Array], Array], point: Real) -> tuple[Real, Real]:
+def _with_derivative(function, point):
     """Value (m,) of a function at the point (n,), and its derivative (m, n) by complex step.
 
     Args:
@@ -34,7 +25,7 @@ def _with_derivative(function: Callable[[Array], Array], point: Real) -> tuple[R
     return values[0].real.copy(), values.imag.T / IMAGINARY_STEP
 
 
-def fastest_rate(jaw: Any, log_parameters: Real, q: Real) -> float:
+def fastest_rate(jaw, log_parameters, q):
     """Bound on the angular frequency (rad/s) of the jaw's free motion, by the rule of ``jawenv.mechanics.stiffness``.
 
     Args:
@@ -55,19 +46,19 @@ def fastest_rate(jaw: Any, log_parameters: Real, q: Real) -> float:
     return float(np.sqrt(line_terms.sum(axis=-1) + tooth_terms.sum(axis=-1) + capsule_term).max())
 
 
-def parts_needed(rate: float, dt: float) -> int:
+def parts_needed(rate, dt):
     """Least number of parts of ``dt`` (s) in each of which the phase of ``rate`` (rad/s) is short."""
     shares = max(rate * dt / LARGEST_PHASE, 1.0)
     return int(min(np.ceil(shares), MOST_PARTS))
 
 
-def reading_at(samples: Real, share: float) -> Real:
+def reading_at(samples, share):
     """The load cell (6,) at a share of the step: Lagrange's parabola through its samples (3, 6) at 0, 1/2 and 1."""
     weights = [2.0 * (share - 0.5) * (share - 1.0), -4.0 * share * (share - 1.0), 2.0 * share * (share - 0.5)]
     return np.array(weights) @ samples
 
 
-def step(jaw: Any, mean: Array, samples: Real, trend: Real, dt: float, wrench: Array | None = None) -> Array:
+def step(jaw, mean, samples, trend, dt, wrench=None):
     """Motion at the end of a step.
 
     Args:
@@ -88,7 +79,7 @@ def step(jaw: Any, mean: Array, samples: Real, trend: Real, dt: float, wrench: A
     parts = parts_needed(fastest_rate(jaw, parameters.real, motion[..., :5].real), dt)
     for part in range(parts):
 
-        def rate(since: float, state: Array, part: int = part) -> Array:
+        def rate(since, state, part=part):
             share = part / parts + since / dt
             unread = level + (2.0 * share - 1.0) * growth
             return newton_euler.state_rate(jaw, parameters, state, reading_at(samples, share) + gain * trend + unread)
@@ -97,19 +88,34 @@ def step(jaw: Any, mean: Array, samples: Real, trend: Real, dt: float, wrench: A
     return motion
 
 
-def step_with_derivative(jaw: Any, mean: Real, samples: Real, trend: Real, dt: float) -> tuple[Real, Real]:
+def step_with_derivative(jaw, mean, samples, trend, dt):
     """Motion (10,) at the end of a step, and its derivative (10, 10 + p + 1 + 12).
 
     The columns are motion, natural-log parameters, gain error, and the wrench that is not read: constant over the step,
     and tilting from -1 to 1. Arguments as of ``step``, of one state.
     """
 
-    def moved(points: Array) -> Array:
+    def moved(points):
         return step(jaw, points[..., :-N_NOISE], samples, trend, dt, points[..., -N_NOISE:])
 
     return _with_derivative(moved, np.concatenate([mean, np.zeros(N_NOISE)]))
 
 
-def measurement_with_derivative(jaw: Any, state: Real) -> tuple[Real, Real]:
+def measurement_with_derivative(jaw, state):
     """The readings (12,) to expect of a motion (10,), and their derivative (12, 10)."""
     return _with_derivative(lambda states: newton_euler.measurement(jaw, states), state)
+
+
+def mean_readings(record):
+    """(T, 6) the load cell's mean over each tick, by Simpson's rule."""
+    samples = record.samples
+    return (samples[:, 0] + 4.0 * samples[:, 1] + samples[:, 2]) / 6.0
+
+
+def trends(record):
+    """(T, 6) trend of the load cell at the start of each tick, by the law of ``cell_trend.follow_trend``."""
+    follow, means = -np.expm1(-record.dt / TREND_TIME), mean_readings(record)
+    rows = np.zeros_like(means)
+    for k in range(len(rows) - 1):
+        rows[k + 1] = rows[k] + follow * (means[k] - rows[k])
+    return rows
