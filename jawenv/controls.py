@@ -10,7 +10,7 @@ from jawenv.base.errors import InputError, not_among, shown
 
 Control = Literal["force", "trajectory", "targets"]
 DEFAULT_CONTROL: Final[Control] = "targets"
-"""Where nothing is said: in environments, players, agents, commands and studies."""
+"""Default of environments, players, agents, commands and studies."""
 
 
 @dataclass(frozen=True)

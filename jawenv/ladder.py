@@ -27,7 +27,7 @@ class Model:
     title: str  # the environment's name without namespace and version
     muscle_set: str  # key of ``known_muscle_sets``
     free: tuple[bool, bool, bool, bool, bool]
-    """Which of x, y, theta, psi, alpha can move in the filter's model, and in the midline plant."""
+    """Freedom of x, y, theta, psi, alpha in the filter's model and in the midline plant."""
     plant: Plant
     """Mechanics of the truth: ``midline`` (one point on the fossa, compiled, the filter's own), ``contact`` (planar
     rigid body with contact and friction, pymunk).

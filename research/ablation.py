@@ -31,6 +31,7 @@ from jawenv.filter.readings.lasting import stay_of
 from jawenv.kernels.compiled import njit
 from jawenv.recordings.online import OnlineFilter
 from jawenv.recordings.record import Record
+from research._beliefs import Beliefs, head, row
 
 FILTER = "jawenv.filter."
 SCAN = "jawenv/JawImaged-v3"
@@ -137,9 +138,9 @@ def recorded(cell: _Cell, patients: int, seed: int) -> list[tuple[Record, NDArra
     ]
 
 
-def measure(row: _Variant, cells: list[list[tuple[Record, NDArray[np.float64]]]]) -> list[list[list[float]]]:
-    """Of every patient of each cell NEES over the number of parameters, thrice, and log of the worst sd at the end."""
-    for constant, value in row.constants.items():
+def measure(variant: _Variant, cells: list[list[tuple[Record, NDArray[np.float64]]]]) -> list[list[list[float]]]:
+    """NEES over the number of parameters, thrice, and log of the worst sd at the end, of each patient of each cell."""
+    for constant, value in variant.constants.items():
         module, _, name = constant.rpartition(".")
         target = importlib.import_module(FILTER + module)
         if not hasattr(target, name):
@@ -159,8 +160,7 @@ def _filtered(record: Record, truth: NDArray[np.float64]) -> list[float]:
     for tick, measured in enumerate(record.measured):
         belief = online.update(measured, record.samples[tick - 1] if tick > 0 else None)
         if tick in judged:
-            error = belief.log_mean - truth
-            figures.append(float(error @ np.linalg.solve(belief.log_cov, error)) / len(error))
+            figures.append(float(Beliefs.of(belief.log_mean, belief.log_cov, truth).nees))
     return [*figures, 0.5 * float(np.log(np.diag(belief.log_cov).max()))]
 
 
@@ -181,22 +181,21 @@ def main() -> None:
     if arguments.row is not None:
         print(json.dumps(measure(ROWS[arguments.row], pickle.loads(arguments.recorded.read_bytes()))))
         return
-    print("| left out |" + "".join(f" {cell} |" for cell in CELLS) + "\n|---|" + len(CELLS) * "--:|", flush=True)
+    head("left out", *CELLS)
     first: Any = None
     with tempfile.TemporaryDirectory() as folder:
         kept = Path(folder, "recorded")
         kept.write_bytes(pickle.dumps([recorded(cell, arguments.patients, arguments.seed) for cell in CELLS]))
         for number in (0, *(number for number in arguments.only if number)):
-            row = ROWS[number]
-            print(f"{row.what} ({number + 1} of {len(ROWS)})", file=sys.stderr, flush=True)
+            variant = ROWS[number]
+            print(f"{variant.what} ({number + 1} of {len(ROWS)})", file=sys.stderr, flush=True)
             command = [sys.executable, "-m", "research.ablation", "--row", str(number), "--recorded", str(kept)]
             # The kernels of a filter that lacks something must not be taken for those of the whole one.
-            places = {"JAWENV_CACHE_DIR": str(Path(folder, str(number)))} if row.constants else {}
+            places = {"JAWENV_CACHE_DIR": str(Path(folder, str(number)))} if variant.constants else {}
             ran = subprocess.run(command, env=os.environ | places, stdout=subprocess.PIPE, text=True, check=True)
             found = json.loads(ran.stdout)
             first = first or found
-            cells = (f" {shown(cell, base)} |" for cell, base in zip(found, first, strict=True))
-            print(f"| {row.what} |" + "".join(cells), flush=True)
+            row(variant.what, *(shown(cell, base) for cell, base in zip(found, first, strict=True)))
 
 
 if __name__ == "__main__":

@@ -35,6 +35,7 @@ from jawenv.recordings.columns import ENCODERS, READINGS, TIME
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
 from jawenv.recordings.size import sized
+from research._beliefs import Beliefs, head, row
 
 MOVEMENTS = ("refined", "slow_opening")
 RATES = tuple(product((60, 120, 240), (20, 80)))
@@ -99,10 +100,6 @@ def _shapes(states: Array, record: Record) -> Array:
     return np.column_stack([np.ones(len(pose)), pose, *(pose[:, [i]] * pose[:, i:] for i in range(5))])
 
 
-def _row(*cells: object) -> None:
-    print(f"| {' | '.join(map(str, cells))} |", flush=True)
-
-
 class _Judged(NamedTuple):
     """The answer to one file beside the truth."""
 
@@ -114,15 +111,14 @@ class _Judged(NamedTuple):
 
 
 def judged(record: Record, hz: float, cell_hz: float, seed: int, **told: Any) -> _Judged:
-    """What ``jawenv.identify`` says of a played record as a laboratory's file, with what it is told."""
+    """The answer of ``jawenv.identify`` to a played record, written as a laboratory's file, beside the truth."""
     assert record.truth is not None
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "lab.csv"
         lab_file(record, hz, cell_hz, path, seed)
         answer = jawenv.identify(path, **told)
     assert isinstance(answer, Answer)
-    error = answer.log_mean - record.truth
-    nees = float(error @ np.linalg.solve(answer.log_cov, error)) / len(error)
+    nees = float(Beliefs.of(answer.log_mean, answer.log_cov, record.truth).nees)
     truly = np.exp(record.truth).reshape(-1, 2) > [STIFF_F_O_N, BLOCKED_B]
     pairs = zip(answer.verdicts.values(), truly, strict=True)
     given = [(verdict.word, true.tolist()) for verdict, true in pairs if verdict.word in FINDINGS]
@@ -164,13 +160,12 @@ HEAD = ("believed", "NEES/12 of these, median, largest", "worst error bar, %", "
 
 def rates(arguments: argparse.Namespace) -> None:
     """Print a row for each rate of tracker and load cell."""
-    _row("movement", "tracker, Hz", "cell, Hz", *HEAD)
-    print("|---|" + 6 * "--:|", flush=True)
+    head("movement", "tracker, Hz", "cell, Hz", *HEAD)
     for movement in MOVEMENTS:
         records = recordings_of(arguments, movement, cohort="anyone")
         for hz, cell_hz in RATES:
             found = [judged(record, hz, cell_hz, number) for number, record in enumerate(records)]
-            _row(movement, hz, cell_hz, *_figures(found))
+            row(movement, hz, cell_hz, *_figures(found))
 
 
 def people(arguments: argparse.Namespace) -> None:
@@ -182,12 +177,11 @@ def people(arguments: argparse.Namespace) -> None:
     tilts = (-20.0, -45.0, -80.0)
     kinds += [("trismus", f"head at {tilt:g} degrees", {"tilt": tilt}) for tilt in tilts]
     kinds += [("anyone", "the table's anatomy, a bench's small errors", {"reality": NO_SCAN | SMALL_ERRORS})]
-    _row("cohort", "people", *HEAD)
-    print("|---|---|" + 4 * "--:|", flush=True)
+    head("cohort", "people", *HEAD, texts=2)
     for cohort, title, world in kinds:
         records = recordings_of(arguments, MOVEMENTS[0], cohort=cohort, **world)
         found = [judged(record, TRACKER_HZ, CELL_HZ, number) for number, record in enumerate(records)]
-        _row(cohort, title, *_figures(found))
+        row(cohort, title, *_figures(found))
 
 
 TABLES = {"rates": rates, "people": people}

@@ -8,7 +8,7 @@ bias: the largest mean z of all parameters and agents, all cohorts, three contro
 episodes and of others. change: how much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo
 moves, beside the filter's own. way: how often a belief is false on its way, all beliefs and those that are settled, and
 what waiting for these costs. effects: how wrong belief and change are under each effect that the filter is not told.
-all: those of the page, each under its title, on as many patients as ``ALL`` says. A _row is printed as soon as it is
+all: those of the page, each under its title, on as many patients as ``ALL`` says. A row is printed as soon as it is
 there.
 """
 
@@ -30,6 +30,7 @@ from jawenv.anatomy import COHORTS
 from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS
 from jawenv.metrics import time_to
+from research._beliefs import Beliefs, head, row
 
 MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
 LOT, SECONDS = 50, 30.0  # patients that are played together; length of an episode
@@ -103,39 +104,33 @@ class _BeliefSample(NamedTuple):
 def beliefs(agent, arguments, **kwargs):
     """A sample of beliefs at the end of episodes of 30 s."""
     kwargs = {"track_bound": False, "episode_s": SECONDS, "knowledge": arguments.knowledge} | kwargs
+    return _BeliefSample(*_of_lots(agent, arguments, kwargs, _last))
+
+
+def _of_lots(agent, arguments, kwargs, figures):
+    """Figures of all patients, who are played in lots."""
     lots = []
     for first in range(0, arguments.patients, LOT):
         number = min(LOT, arguments.patients - first)
-        lots.append(_last(jawenv.play(agent, patients=number, seed=arguments.seed + first, env_kwargs=kwargs)))
-    return _BeliefSample(*(np.concatenate(parts) for parts in zip(*lots, strict=True)))
+        lots.append(figures(jawenv.play(agent, patients=number, seed=arguments.seed + first, env_kwargs=kwargs)))
+    return [np.concatenate(parts) for parts in zip(*lots, strict=True)]
 
 
 def _last(played):
     reached, last = played.valid[:, -1], played.valid.shape[1] - 1
-    z, nees = {}, {}
-    for step in (last // 8, last // 4, last):
-        error, cov = (played.belief_mean[:, step] - played.truth)[reached], played.belief_cov[reached, step]
-        sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2))
-        nees[step] = np.einsum("np,npq,nq->n", error, np.linalg.inv(cov), error) / error.shape[1]
-        z[step] = error / sd
-    early = np.stack([nees[last // 8], nees[last // 4]], axis=1)
-    return nees[last], early, z[last], sd, played.misfit[reached, -1] > 1.0
-
-
-def _row(*cells):
-    print("| " + " | ".join(map(str, cells)) + " |", flush=True)
-
-
-def head(*cells):
-    _row(*cells)
-    print("|---|" + (len(cells) - 1) * "--:|", flush=True)
+    eighth, quarter, end = (
+        Beliefs.of(played.belief_mean[reached, step], played.belief_cov[reached, step], played.truth[reached])
+        for step in (last // 8, last // 4, last)
+    )
+    early = np.stack([eighth.nees, quarter.nees], axis=1)
+    return end.nees, early, end.error / end.sd, end.sd, played.misfit[reached, -1] > 1.0
 
 
 def corners(arguments):
     head("control", *FIGURES, "largest", "rings, %")
     for control in CONTROLS:
         sample = beliefs(_Held(control), arguments, control=control)
-        _row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
+        row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
 
 
 def memory(arguments):
@@ -143,7 +138,7 @@ def memory(arguments):
     for name, time, factor in product((RICH, SWINGS, PLAIN), (0.05, 0.1, 0.5, 1.0, 2.0), (1.0, 1.0 / 3.0, 3.0)):
         kwargs = {"device": {"unmodelled_time_s": time * factor}, "reality": {"unmodelled_time_s": time}}
         sample = beliefs(load_agent(name), arguments, **kwargs)
-        _row(name, f"{time:g}", f"{time * factor:.2g}", sample.figures(), sample.ringing())
+        row(name, f"{time:g}", f"{time * factor:.2g}", sample.figures(), sample.ringing())
 
 
 def bias(arguments):
@@ -158,7 +153,7 @@ def bias(arguments):
             worst = int(np.argmax([abs(mean.value) for mean in means]))
             cells = name, sample.figures(), words.with_interval(means[worst], 2), names[worst]
             rows.append((abs(means[worst].value), cells))
-        _row(cohort, control, *max(rows)[1])
+        row(cohort, control, *max(rows)[1])
 
 
 def alarm(arguments):
@@ -171,7 +166,7 @@ def alarm(arguments):
             sample = beliefs(agent, arguments, cohort=cohort, control=control)
             rows.append((sample.rings.mean(), sample.nees.mean(), (name, sample.figures(), sample.ringing())))
             total.append(sample.rings)
-        _row(cohort, control, *max(rows)[2])  # who rings most, then who is furthest off
+        row(cohort, control, *max(rows)[2])  # who rings most, then who is furthest off
     rings = np.concatenate(total)
     print(f"\n{rings.sum()} of {len(rings)} honest episodes ring: {100.0 * rings.mean():.2f} %\n", flush=True)
     head("not told", "agent", *FIGURES, "NEES/12 > 4", "of these ring, %")
@@ -181,7 +176,7 @@ def alarm(arguments):
         effects = ", ".join(f"`{field}={value:g}`" for field, value in reality.items())
         wrong = sample.nees > 4.0
         share = f"{100.0 * sample.rings[wrong].mean():.0f}" if wrong.any() else "–"
-        _row(effects, name, sample.figures(), f"{wrong.sum()} of {len(wrong)}", share)
+        row(effects, name, sample.figures(), f"{wrong.sum()} of {len(wrong)}", share)
 
 
 @dataclass(frozen=True)
@@ -224,7 +219,7 @@ def change(arguments):
         _, z, sd = _changes_between(entry, arguments)
         width = f"{200.0 * 1.96 * np.median(sd):.1f} %"
         spread = f"{100.0 * np.max(sd, axis=1).mean():.1f} / {100.0 * np.median(sd):.1f} %"
-        _row(name, f"{seconds:g} s", len(sd), inside(z), spread, width, f"{np.mean(np.square(z)):.2f}")
+        row(name, f"{seconds:g} s", len(sd), inside(z), spread, width, f"{np.mean(np.square(z)):.2f}")
 
 
 def effects(arguments):
@@ -237,7 +232,7 @@ def effects(arguments):
         firsts, z, sd = _changes_between(_Elsewhere(**vars(entry), truth=truth), arguments)
         nees = words.with_interval(statistics.mean(np.array([first.nees for first in firsts]) / z.shape[1]), 2)
         rings = f"{100.0 * np.mean([first.rings for first in firsts]):.0f}"
-        _row(title, nees, rings, inside(z), f"{100.0 * np.median(np.abs(z * sd)):.1f}", f"{100.0 * np.median(sd):.1f}")
+        row(title, nees, rings, inside(z), f"{100.0 * np.median(np.abs(z * sd)):.1f}", f"{100.0 * np.median(sd):.1f}")
 
 
 def jaws(arguments):
@@ -250,7 +245,7 @@ def jaws(arguments):
     }
     for (title, kwargs), name, (jaw, plant) in product(filters.items(), (RICH, PLAIN), plants.items()):
         sample = beliefs(load_agent(name), arguments, **kwargs, plant=plant)
-        _row(title, name, jaw, sample.figures(), sample.sds(), sample.ringing())
+        row(title, name, jaw, sample.figures(), sample.sds(), sample.ringing())
 
 
 def way(arguments):
@@ -258,19 +253,11 @@ def way(arguments):
     of = "false steps, %", "patients with one, %"
     head("agent, 10 s of `anyone`", "budget, s", *of, "settled and false, %", of[1], "price, s")
     for name, budget in product((SWINGS, RICH, "random", "apg_anyone"), (None, BUDGET_S)):
-        lots = []
-        for first in range(0, arguments.patients, LOT):
-            kwargs = {"cohort": "anyone", "control": "targets", "episode_s": 10.0, "track_bound": False}
-            kwargs |= {"comfort_budget_s": budget}
-            number = min(LOT, arguments.patients - first)
-            lots.append(
-                _on_the_way(
-                    jawenv.play(load_agent(name), patients=number, seed=arguments.seed + first, env_kwargs=kwargs)
-                )
-            )
-        false, settled, waited = (np.concatenate(parts) for parts in zip(*lots, strict=True))
+        kwargs = {"cohort": "anyone", "control": "targets", "episode_s": 10.0, "track_bound": False}
+        kwargs |= {"comfort_budget_s": budget}
+        false, settled, waited = _of_lots(load_agent(name), arguments, kwargs, _on_the_way)
         shares = (100.0 * np.mean(mask) for each in (false, false & settled) for mask in (each, each.any(axis=1)))
-        _row(
+        row(
             name,
             "–" if budget is None else f"{budget:.2g}",
             *(f"{share:.2g}" for share in shares),
@@ -280,9 +267,8 @@ def way(arguments):
 
 def _on_the_way(played):
     """Masks (N, T) of false and of settled beliefs, and s (N,) by which settled ones are within 5 % later."""
-    error = played.belief_mean - played.truth[:, None]
-    solved = np.linalg.solve(played.belief_cov, error[..., None])[..., 0]
-    false = (np.mean(error * solved, axis=-1) > LOST) & played.valid
+    way = Beliefs.of(played.belief_mean, played.belief_cov, played.truth[:, None])
+    false = (way.nees > LOST) & played.valid
     last = played.time[-1]
     at, later = (
         np.minimum(time_to(played.belief_sd, played.time, 0.05, mask), last) for mask in (played.valid, played.counts)
@@ -304,7 +290,7 @@ ALL = {
     "effects": ("What the filter is not told, and the change", 16, 376_000),
     "way": ("False beliefs on the way", 500, 20_000),
 }
-"""Table -> its title, patients of a _row and first seed; those of ``docs/tables/honesty.md``."""
+"""Table -> its title, patients of a row and first seed; those of ``docs/tables/honesty.md``."""
 
 
 def every(arguments):
@@ -321,7 +307,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure how honest the filter is.")
     parser.add_argument("table", choices=("all", *TABLES))
     parser.add_argument("--knowledge", default="exact")
-    parser.add_argument("--patients", type=int, default=200, help="of each _row")
+    parser.add_argument("--patients", type=int, default=200, help="of each row")
     parser.add_argument("--seed", type=int, default=20_000)
     arguments = parser.parse_args()
     (TABLES | {"all": every})[arguments.table](arguments)

@@ -28,6 +28,7 @@ from jawenv.anatomy import COHORTS
 from jawenv.base.seeds import REPORTS
 from jawenv.envs.configuration import Configuration
 from jawenv.playing.policies.named import agent_names
+from research._beliefs import head, row
 
 _SECONDS, _BUDGET_S, _TOGETHER = 10.0, 1.0 / 30.0, 50
 _BESIDE, _FREE, _KEPT = "refined_one_sided", "free", "kept"
@@ -56,7 +57,7 @@ def cells_of(entries: Sequence[str], cohorts: Sequence[str], env: str, patients:
     return cells
 
 
-def _row(rows: pd.DataFrame, entry: str) -> list[str]:
+def _of_entry(rows: pd.DataFrame, entry: str) -> list[str]:
     """Cells of an entry, of the rows of one cohort."""
     beside, free, kept = (
         rows[(rows["budget"] == budget) & (rows["entry"] == name)].reset_index(drop=True)
@@ -92,10 +93,9 @@ def main(argv: Sequence[str] | None = None) -> None:
     rows = play_cells(cells, asked.output, Run(console=Console(stderr=True)))
     for cohort, of_cohort in rows.groupby("cohort", sort=False):
         print(f"\n**{cohort}**, {asked.patients} patients\n")
-        print(f"| {' | '.join(_HEADINGS)} |")
-        print("|---|" + "--:|" * (len(_HEADINGS) - 1))
+        head(*_HEADINGS)
         for entry in entries:
-            print(f"| {' | '.join(_row(of_cohort, entry))} |", flush=True)
+            row(*_of_entry(of_cohort, entry))
 
 
 if __name__ == "__main__":

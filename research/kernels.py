@@ -73,7 +73,7 @@ recording = str(session.save(Path(sys.argv[1]))[1])
 for knowledge in ("exact", "imaged", "bench"):
     main(["identify", recording, "--knowledge", knowledge])
 """
-"""What plays the models whose kernels are shipped; one world and many share theirs."""
+"""Program that plays the models with shipped kernels; one world and many share theirs."""
 
 ALIKE = "import sys; from research.kernels import _compile_alike; _compile_alike(sys.argv[1])"
 

@@ -1,7 +1,7 @@
 """Share of honest recordings that are called unbelievable, and of recordings spoilt as people spoil files.
 
-    python -m research.recordings                                        # judged on seeds 20000 and on
-    python -m research.recordings --tuning --output runs/recordings.md   # on seeds 5000 and on, for the thresholds
+    python -m research.recordings            # judged on seeds 20000 and on
+    python -m research.recordings --tuning   # on seeds 5000 and on, for the thresholds
 
 Prints for each kind how many are called unbelievable, with the statistics that the thresholds of
 ``jawenv.recordings.identification`` are about. Honest are recordings as they are, with anatomy known as an image gives
@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +25,7 @@ from jawenv.base.seeds import REPORTS, TUNING
 from jawenv.recordings.identification import identified
 from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import thinned
+from research._beliefs import head, row
 
 Array = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ def _honest(kind: str, seed: int, episode_s: float) -> Record:
 
 
 def judged(record: Record) -> tuple[bool, float, float, float, float]:
-    """Whether it is unbelievable; misfit, share of rows refused, of numbers left out; largest error in sds."""
+    """Judge a record: unbelievable or not; misfit, share of rows refused, of numbers left out; largest error in sds."""
     if not 20.0 <= 1.001 / record.dt <= 1001.0:  # ``jawenv identify`` refuses the file
         return True, np.nan, np.nan, np.nan, np.nan
     result = identified(record)
@@ -117,20 +117,16 @@ def _rows(seeds: range, number: int, spoilt_number: int, episode_s: float) -> di
     return results
 
 
-def table(results: dict[str, list[tuple[float, ...]]]) -> str:
-    """Markdown table of medians, with the largest in brackets."""
-    lines = [
-        "| recording | unbelievable | misfit, median (largest) | rows refused | numbers left out | error, sds |",
-        "|---|--:|--:|--:|--:|--:|",
-    ]
+def _table(results: dict[str, list[tuple[float, ...]]]) -> None:
+    """Print medians, with the largest in brackets."""
+    head("recording", "unbelievable", "misfit, median (largest)", "rows refused", "numbers left out", "error, sds")
     for kind, judgements in results.items():
         values = np.array(judgements, dtype=np.float64)
         cells = [f"{int(values[:, 0].sum())} of {len(values)}"]
         for column, factor, unit in ((1, 1.0, ""), (2, 100.0, " %"), (3, 100.0, " %"), (4, 1.0, "")):
             scaled = factor * values[:, column]
             cells.append("–" if np.isnan(scaled).all() else f"{np.median(scaled):.3g}{unit} ({scaled.max():.3g}{unit})")
-        lines.append(f"| {kind} | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+        row(kind, *cells)
 
 
 def main() -> None:
@@ -140,13 +136,9 @@ def main() -> None:
     parser.add_argument("--honest", type=int, default=200, help="how many honest recordings")
     parser.add_argument("--spoilt", type=int, default=8, help="how many recordings are spoilt in each way")
     parser.add_argument("--episode-s", type=float, default=10.0)
-    parser.add_argument("--output", type=Path)
     arguments = parser.parse_args()
     seeds = TUNING if arguments.tuning else REPORTS[1]
-    text = table(_rows(seeds, arguments.honest, arguments.spoilt, arguments.episode_s))
-    print(text)
-    if arguments.output is not None:
-        arguments.output.write_text(text, encoding="utf-8")
+    _table(_rows(seeds, arguments.honest, arguments.spoilt, arguments.episode_s))
 
 
 if __name__ == "__main__":

@@ -10,13 +10,13 @@ printed as soon as it is there.
 
 import argparse
 import shlex
-from typing import NamedTuple
 
 import numpy as np
 
 import jawenv
 from eval.figures import statistics, words
 from jawenv.recordings.untold.learnt import learnt
+from research._beliefs import Beliefs, head, row
 
 SECONDS = 30.0
 _MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
@@ -47,7 +47,7 @@ _TOLD = {
         "swallows, 1 N",
     ),
 }
-"""What the filter was told of its anatomy -> what it was not told."""
+"""Knowledge of the filter -> effects that it was not told."""
 MOVEMENTS = {
     "sines": ((0.35, 0.5, 0.5, 0.4), (3.1, 2.3, 1.7, 2.9)),
     "slow": ((0.35, 0.05, 0.05, 0.05), (9.0, 7.0, 11.0, 8.0)),
@@ -84,24 +84,12 @@ class Sines:
         return actions.astype(np.float32), None
 
 
-class _Beliefs(NamedTuple):
-    """Beliefs about N patients against the truth."""
-
-    nees: np.ndarray  # (N,) over the number of parameters
-    sd: np.ndarray  # (N, P)
-    error: np.ndarray  # (N, P)
-
-    @classmethod
-    def of(cls, means, covs, truth):
-        error, covs = np.array(means) - truth, np.array(covs)
-        nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(covs), error) / error.shape[1]
-        return cls(nees, np.sqrt(np.diagonal(covs, axis1=1, axis2=2)), error)
-
-    def cells(self):
-        """NEES with its median, inside of 95 %, error."""
-        nees = words.with_interval(statistics.mean(self.nees), 2)
-        inside = 100.0 * np.mean(np.abs(self.error) < 1.96 * self.sd)
-        return f"{nees}, {np.median(self.nees):.2f}", f"{inside:.1f}", f"{100.0 * np.sqrt(np.mean(self.error**2)):.1f}"
+def _judged(beliefs):
+    """Cells: NEES with its median, inside of 95 %, error."""
+    nees = words.with_interval(statistics.mean(beliefs.nees), 2)
+    inside = 100.0 * np.mean(np.abs(beliefs.error) < 1.96 * beliefs.sd)
+    error = 100.0 * np.sqrt(np.mean(beliefs.error**2))
+    return f"{nees}, {np.median(beliefs.nees):.2f}", f"{inside:.1f}", f"{error:.1f}"
 
 
 def _of_effect(title, arguments):
@@ -112,18 +100,12 @@ def _of_effect(title, arguments):
     chosen = np.flatnonzero(played.valid[:, -1])
     means, covs, truth = played.belief_mean[chosen, -1], played.belief_cov[chosen, -1], played.truth[chosen]
     found = [learnt(played.records[i], *belief) for i, *belief in zip(chosen, means, covs, strict=True)]
-    filtered, after = (
-        _Beliefs.of(means, covs, truth),
-        _Beliefs.of([one.mean for one in found], [one.cov for one in found], truth),
-    )
+    filtered = Beliefs.of(means, covs, truth)
+    after = Beliefs.of([one.mean for one in found], [one.cov for one in found], truth)
     wider = np.exp(np.median(np.log(after.sd / filtered.sd)))
     hot = np.median([one.shown.temperature for one in found])
     rings = f"{100.0 * np.mean(played.misfit[chosen, -1] > 1.0):.0f}"
-    _row(title, rings, *filtered.cells(), *after.cells(), f"{wider:.2f}", f"{hot:.1f}")
-
-
-def _row(*cells):
-    print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+    row(title, rings, *_judged(filtered), *_judged(after), f"{wider:.2f}", f"{hot:.1f}")
 
 
 def _section(arguments):
@@ -132,7 +114,7 @@ def _section(arguments):
     print(f"## Told {arguments.knowledge}: `{arguments.cohort}`, {arguments.movement}\n")
     effects = f" --effects {shlex.join(arguments.effects)}" if arguments.effects else ""
     print(f"`python -m research.untold {arguments.knowledge} {options}{effects}`:\n")
-    _row(
+    head(
         "untold",
         "rings, %",
         *("filter: NEES/12, median", "in 95 %, %", "error, %"),
@@ -140,7 +122,6 @@ def _section(arguments):
         "error bars x",
         "temperature",
     )
-    print("|---|" + 9 * "--:|")
     for title in arguments.effects or _TOLD[arguments.knowledge]:
         _of_effect(title, arguments)
     print(flush=True)

@@ -35,8 +35,8 @@ LAWS_PER_DECISION = 2
 """Times that the device's law acts between two decisions; 4 in the environment. Acting once, it moves the jaw so
 roughly that discomfort is four times too high."""
 COST_SD = (0.02, 0.01, 0.034, 0.048, 0.058, 0.046, 0.42, 0.02)
-"""By which the used fractions shake in the environment and not here, by limit; of the speed as a share of what the
-unmodelled force alone would shake. Half of what a side or a fore-aft excursion costs is of its swing about the twin's.
+"""Sds of the used fractions in the environment that the twin lacks, by limit; of the speed as a share of the shaking by
+the unmodelled force alone. Half of the cost of a side or a fore-aft excursion is of its swing about the twin's.
 Means of what `tests/agents/twin/agreement.py` fits on paths of policies; where it fits none, small."""
 _DRIVES = [[float(channel in DRIVERS[limit]) for channel in CHANNELS] for limit in COMFORT_LIMITS]
 _GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]

@@ -1,12 +1,14 @@
-"""Calibration of nuisances: means of each group over the patients, as a table."""
+"""Calibration of nuisances: means of each group over the patients."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
 
 import pandas as pd
 
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
-from eval.figures.tables import Table
 from eval.rows.nuisances import ERROR, GROUPS, LEFT
 
 NOTE = (
@@ -30,22 +32,12 @@ def groups_in(table: pd.DataFrame) -> list[str]:
     return [group for group in GROUPS if f"{ERROR}/{group}" in table.columns and table[f"{LEFT}/{group}"].notna().any()]
 
 
-def table_of(summary: pd.DataFrame) -> Table:
-    """A row for each maneuver and time of a summary: squares and remaining sds of each group.
-
-    Args:
-        summary: of `eval.calibration.summary.summarise`.
-    """
-    groups = groups_in(summary)
-    some = summary[summary[[f"{LEFT}/{group}" for group in groups]].notna().any(axis=1)]
-    rows = [
-        [words.label(row["entry"]), f"{row['time_s']:g}", *(_cell(row, group) for group in groups)]
-        for _, row in some.iterrows()
-    ]
-    return Table(["maneuver", "time, s", *groups], rows, note=NOTE)
+def columns_of(summary: pd.DataFrame) -> dict[str, Callable[[pd.Series], str]]:
+    """Texts of a row of `eval.calibration.summary.summarise` by their headings, which are the groups."""
+    return {group: partial(_cell, group=group) for group in groups_in(summary)}
 
 
 def _cell(row: pd.Series, group: str) -> str:
     """A cell such as `1.02 (0.93 … 1.12), 64 %`."""
-    squares, left = Interval.of(row, f"{ERROR}/{group}"), f"{words.percent(row[f'{LEFT}/{group}'], 0)} %"
-    return f"{words.with_interval(squares, 2)}, {left}"
+    left = words.percent(row[f"{LEFT}/{group}"], 0)
+    return f"{words.with_interval(Interval.of(row, f'{ERROR}/{group}'), 2)}, {left} %"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -12,18 +13,8 @@ from scoringrules import crps_normal
 
 from eval.figures import statistics, words
 from eval.figures.statistics import UNKNOWN, Interval
-from eval.figures.tables import Table
 
 NOMINAL = (0.5, 0.8, 0.95, 0.99)
-HEAD = (
-    "maneuver",
-    "filter",
-    "time, s",
-    "CRPS, %",
-    "energy score, %",
-    "largest PIT deviation (limit)",
-    f"coverage at {' / '.join(words.percent(level, 0) for level in NOMINAL)} %",
-)
 NOTE = (
     "CRPS: continuous ranked probability score of the log-parameters, mean over the parameters; energy score: the "
     "same of all parameters together (Gneiting & Raftery 2007); lower is better. PIT deviation: of the probability "
@@ -56,28 +47,28 @@ def summarised(judged: pd.DataFrame, parameters: Sequence[str]) -> dict[str, obj
     }
 
 
-def table_of(summary: pd.DataFrame) -> Table:
-    """A row for each maneuver, filter and time of a summary.
-
-    Args:
-        summary: of `eval.calibration.summary.summarise`.
-    """
-    return Table(HEAD, [_cells(row) for _, row in summary.iterrows()], (0, 1), NOTE)
-
-
 def _covered(level: float) -> str:
     return f"covered_{100.0 * level:g}"
 
 
-def _cells(row: pd.Series) -> list[str]:
-    scores = (Interval.of(row, name) for name in ("crps", "energy"))
+def _score(row: pd.Series, name: str) -> str:
+    return words.with_interval(words.scaled(Interval.of(row, name), 100.0), 2)
+
+
+def _deviation(row: pd.Series) -> str:
+    """A cell such as `0.061 (0.097), b of masseter left`."""
+    if not row["pit_deviation_of"]:
+        return words.NOTHING
     deviation, limit = (words.number(row[name], 3) for name in ("pit_deviation", "pit_limit"))
-    of = row["pit_deviation_of"]
-    return [
-        words.label(row["entry"]),
-        row["filter"],
-        f"{row['time_s']:g}",
-        *(words.with_interval(words.scaled(score, 100.0), 2) for score in scores),
-        f"{deviation} ({limit}), {words.parameter(of)}" if of else words.NOTHING,
-        " / ".join(words.percent(row[_covered(level)], 0) for level in NOMINAL),
-    ]
+    return f"{deviation} ({limit}), {words.parameter(row['pit_deviation_of'])}"
+
+
+COLUMNS: Mapping[str, Callable[[pd.Series], str]] = {
+    "CRPS, %": partial(_score, name="crps"),
+    "energy score, %": partial(_score, name="energy"),
+    "largest PIT deviation (limit)": _deviation,
+    f"coverage at {' / '.join(words.percent(level, 0) for level in NOMINAL)} %": lambda row: " / ".join(
+        words.percent(row[_covered(level)], 0) for level in NOMINAL
+    ),
+}
+"""Texts of a summary's row by their headings."""

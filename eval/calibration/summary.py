@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,24 +16,9 @@ from eval.figures import statistics, words
 from eval.figures.statistics import UNKNOWN, Interval
 from eval.figures.tables import Table
 from eval.rows.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
+from eval.rows.nuisances import LEFT
 from jawenv.metrics import nees_band
 
-COLUMNS = (
-    "maneuver",
-    "filter",
-    "time, s",
-    "patients",
-    "NEES / p",
-    "honest NEES / p",
-    "inside 1/2/3 sd, %",
-    "largest mean z",
-    "claimed, nats",
-    "true, nats",
-    "claimed − true",
-    "RMSE / bound",
-    "ended early",
-    "diverged",
-)
 NOTE = (
     "Means over the patients, with 95 % bootstrap intervals, at times that their episodes reached. NEES / p above 1: "
     "sds too small; below: too large. Mean z: estimate minus truth over sd, of the parameter where that is furthest "
@@ -40,8 +27,8 @@ NOTE = (
     "posterior Cramér-Rao bound, mean over the p parameters. Ended: the episode was over before that time; diverged: "
     "the filter had no belief any more."
 )
-_PRINTED, _BIAS = (*COLUMNS[1:5], COLUMNS[6], *COLUMNS[8:]), (*COLUMNS[:3], "largest mean z")
-_WITH_ENDS = ("nees_per_parameter", "claimed", "true", "gap", "rmse_over_bound")
+
+Columns = Mapping[str, Callable[[pd.Series], str]]
 
 
 def summarise(rows: pd.DataFrame) -> pd.DataFrame:
@@ -108,25 +95,39 @@ def _largest_mean_z(row: pd.Series) -> str:
     return f"{words.with_interval(Interval.of(row, 'largest_mean_z'), 2)}, {of}"
 
 
-def cells(row: pd.Series) -> list[str]:
-    """A row's figures in the order of ``COLUMNS``, each with its interval."""
-    interval = {key: Interval.of(row, key) for key in _WITH_ENDS}
-    return [
-        words.label(row["entry"]),
-        row["filter"],
-        f"{row['time_s']:g}",
-        str(row["patients"]),
-        words.with_interval(interval["nees_per_parameter"], 2),
-        words.interval(Interval(1.0, row["honest_low"], row["honest_high"]), 2) or words.NOTHING,
-        " / ".join(words.percent(row[f"inside_{sigmas}"]) for sigmas in SIGMAS),
-        _largest_mean_z(row),
-        words.with_interval(interval["claimed"], 1),
-        words.with_interval(interval["true"], 1),
-        words.with_interval(interval["gap"], 1),
-        words.with_interval(interval["rmse_over_bound"], 2),
-        str(row[ENDED]),
-        str(row[DIVERGED]),
-    ]
+def _interval(row: pd.Series, name: str, digits: int) -> str:
+    return words.with_interval(Interval.of(row, name), digits)
+
+
+LEVELS: Columns = {
+    "maneuver": lambda row: words.label(row["entry"]),
+    "filter": lambda row: str(row["filter"]),
+    "time, s": lambda row: f"{row['time_s']:g}",
+}
+LARGEST_MEAN_Z: Columns = {"largest mean z": _largest_mean_z}
+COLUMNS: Columns = {
+    **LEVELS,
+    "patients": lambda row: str(row["patients"]),
+    "NEES / p": partial(_interval, name="nees_per_parameter", digits=2),
+    "honest NEES / p": lambda row: (
+        words.interval(Interval(1.0, row["honest_low"], row["honest_high"]), 2) or words.NOTHING
+    ),
+    "inside 1/2/3 sd, %": lambda row: " / ".join(words.percent(row[f"inside_{sigmas}"]) for sigmas in SIGMAS),
+    **LARGEST_MEAN_Z,
+    "claimed, nats": partial(_interval, name="claimed", digits=1),
+    "true, nats": partial(_interval, name="true", digits=1),
+    "claimed − true": partial(_interval, name="gap", digits=1),
+    "RMSE / bound": partial(_interval, name="rmse_over_bound", digits=2),
+    "ended early": lambda row: str(row[ENDED]),
+    "diverged": lambda row: str(row[DIVERGED]),
+}
+"""Texts of a summary's row by their headings, each figure with its interval."""
+_NOT_PRINTED = ("maneuver", "honest NEES / p", "largest mean z")
+
+
+def _table(frame: pd.DataFrame, columns: Columns, **more: Any) -> Table:
+    """A table with a row for each of a frame."""
+    return Table([*columns], [[text(row) for text in columns.values()] for _, row in frame.iterrows()], **more)
 
 
 def tables(table: pd.DataFrame) -> list[Table]:
@@ -135,23 +136,26 @@ def tables(table: pd.DataFrame) -> list[Table]:
     Args:
         table: of `summarise`.
     """
-    main = Table(COLUMNS, [cells(row) for _, row in table.iterrows()], (0, 1), NOTE)
-    return [main, scores.table_of(table), *([nuisances.table_of(table)] if nuisances.groups_in(table) else [])]
+    found = [
+        _table(table, COLUMNS, texts=(0, 1), note=NOTE),
+        _table(table, {**LEVELS, **scores.COLUMNS}, texts=(0, 1), note=scores.NOTE),
+    ]
+    if of_groups := nuisances.columns_of(table):
+        some = table[table[[f"{LEFT}/{group}" for group in of_groups]].notna().any(axis=1)]
+        own = {name: text for name, text in LEVELS.items() if name != "filter"}
+        found.append(_table(some, {**own, **of_groups}, note=nuisances.NOTE))
+    return found
 
 
 def show(table: pd.DataFrame, console: Console) -> None:
     """Print a summary: a table of each maneuver, and one of bias; scores and nuisances are in the file."""
-    lost = {"ended early": ENDED, "diverged": DIVERGED}
-    printed = [name for name in _PRINTED if name not in lost or table[lost[name]].any()]
+    empty = [name for name, column in (("ended early", ENDED), ("diverged", DIVERGED)) if not table[column].any()]
+    printed = {name: text for name, text in COLUMNS.items() if name not in (*_NOT_PRINTED, *empty)}
     for entry, rows in table.groupby("entry", sort=False):
-        Table(printed, _columns(rows, printed), title=words.label(str(entry))).show(console)
-    Table(_BIAS, _columns(table, _BIAS), (0, 1, 3), title="Bias: the parameter with the largest mean z").show(console)
+        _table(rows, printed, title=words.label(str(entry))).show(console)
+    bias = "Bias: the parameter with the largest mean z"
+    _table(table, {**LEVELS, **LARGEST_MEAN_Z}, texts=(0, 1, 3), title=bias).show(console)
     console.print(Text(NOTE, style="dim"))
-
-
-def _columns(table: pd.DataFrame, names: Sequence[str]) -> list[list[str]]:
-    places = [COLUMNS.index(name) for name in names]
-    return [[cells(row)[index] for index in places] for _, row in table.iterrows()]
 
 
 def markdown(table: pd.DataFrame, lead: str) -> str:

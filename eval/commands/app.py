@@ -98,7 +98,7 @@ COMMANDS: dict[str, Callable[..., None] | str] = {
     "study": _study_command,
     "patient": "eval.commands.patient",
 }
-"""What runs a command, or the module that has it."""
+"""Function of each command, or the module that has it."""
 
 
 def commands(names: Iterable[str] = COMMANDS) -> typer.Typer:

@@ -59,7 +59,7 @@ class Ranking:
     effects: dict[str, float]
     """Fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know."""
     band: tuple[float, float]
-    """In which 95 % of calibrated studies of this size have the mean NEES of all their entries (Bonferroni)."""
+    """Interval of the mean NEES of all entries in 95 % of the calibrated studies of this size (Bonferroni)."""
     asked: str = ""  # the muscles that are asked for, as the environment's argument; empty for all
 
     @property

@@ -44,7 +44,7 @@ class Results:
     curves: pd.DataFrame  # one row per entry, time and quantity
     about: dict[str, Any]  # command, versions, seed, settings and entries
     motions: dict[str, list[Scene]] = field(default_factory=dict)
-    """How entries move a patient, see `eval.comparison.motion`; may lack some, or all."""
+    """Motions of a patient under the entries, see `eval.comparison.motion`; may lack some, or all."""
 
     @classmethod
     def of_rows(cls, rows: pd.DataFrame, metadata: dict[str, Any]) -> Results:

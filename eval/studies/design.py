@@ -50,7 +50,7 @@ class EnvironmentChoice(InputModel):
 
     env: str  # its id, or as `jawenv.ladder.model_of_env` takes it
     knowledge: Literal["exact", "imaged"] | None = None
-    """What the filter knows exactly; the environment's own level by default."""
+    """Knowledge of the filter; the environment's own level by default."""
     controls: tuple[Control, ...] | None = None  # control modes that it is played in; all of the study's by default
 
     @field_validator("env")

@@ -12,7 +12,7 @@ from eval.figures import statistics, words
 from eval.figures.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, judged, one_by_one
-from eval.thesis.methods.least_squares import LinearLeastSquares, NonlinearLeastSquares
+from eval.thesis.methods.least_squares import linear, nonlinear
 from eval.thesis.methods.moment_balance import balance_of
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, SENSORS, full_record, plane_record
@@ -26,7 +26,7 @@ CLOSE = 0.1  # a mean this near to the truth, relative, is "close to the actual"
 def _draw_linear(rng: np.random.Generator) -> pd.DataFrame:
     """Three muscles in the plane by linearised least squares; F_o may come out negative, so there may be no logs."""
     record = with_noise(plane_record(), SENSORS, rng)
-    coefficients, _ = LinearLeastSquares().coefficients(balance_of(record), record.gain_sd)
+    coefficients = linear(balance_of(record))
     force, slope = coefficients[0::2], coefficients[1::2]
     values = np.column_stack([force, slope / force]).ravel()
     return pd.DataFrame(
@@ -77,7 +77,7 @@ def _nonlinear(clean: Record, rng: np.random.Generator) -> pd.DataFrame:
     tables = []
     for case, device in NOISES.items():
         record = with_noise(clean, device, rng)
-        tables.append(rows.of_estimate(NonlinearLeastSquares(starts=2).estimate(record), record, case))
+        tables.append(rows.of_logs(nonlinear(record, 2), record, case))
     return pd.concat(tables)
 
 

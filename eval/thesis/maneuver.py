@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 import pandas as pd
 
 from eval.figures.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, judged, one_by_one
-from eval.thesis.methods.least_squares import NonlinearLeastSquares
+from eval.thesis.methods.least_squares import Array, nonlinear
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, maneuver_record
+from jawenv.recordings.record import Record
 from jawenv.references.extended_kalman import ExtendedKalman
 
 OPENINGS = (5.0, 10.0, 20.0)
 SMALL, LARGE = 5.0, 20.0
 DECIDES = 2.0  # times the error of b, from a small opening to a large one: less is no matter of the opening's size
-METHODS: dict[str, NonlinearLeastSquares | ExtendedKalman] = {
-    "least squares": NonlinearLeastSquares(starts=1, use_prior=True),
-    "filter": ExtendedKalman("log"),
+METHODS: dict[str, Callable[[Record], Array]] = {
+    "least squares": partial(nonlinear, starts=1, use_prior=True),
+    "filter": lambda record: ExtendedKalman("log").estimate(record).mean[-1],
 }
 
 
@@ -33,7 +37,7 @@ def draw(rng: np.random.Generator) -> pd.DataFrame:
         for to_the_side in (False, True):
             record = with_noise(maneuver_record(degrees, to_the_side), DEVICE, rng)
             for name, method in METHODS.items():
-                tables.append(rows.of_estimate(method.estimate(record), record, _case(degrees, to_the_side, name)))
+                tables.append(rows.of_logs(method(record), record, _case(degrees, to_the_side, name)))
     return pd.concat(tables)
 
 

@@ -14,27 +14,24 @@ from jawenv.recordings.record import Record
 Array = NDArray[np.float64]
 
 
-def of_estimate(estimate: Estimate, record: Record, case: str, times: int = 1) -> pd.DataFrame:
-    """Rows of the last ``times`` kept times, evenly spread; NEES of all parameters is in each.
+def of_logs(logs: Array, record: Record, case: str) -> pd.DataFrame:
+    """Rows of estimated natural logs (p,) of the parameters of a simulated record.
 
-    ``truth``, ``estimate`` and ``sd`` are of natural logs; ``true_value`` and ``value`` are F_o (N) and b themselves.
+    ``truth`` and ``estimate`` are natural logs; ``true_value`` and ``value`` are F_o (N) and b themselves.
     """
-    picked = np.unique(np.linspace(0, len(estimate.time) - 1, times).astype(int)) if times > 1 else [-1]
     truth = truth_of(record)
-    error = estimate.mean[picked] - truth
-    shape = error.shape
-    return pd.DataFrame(
-        {
-            "case": case,
-            "time_s": np.repeat(estimate.time[picked], shape[1]),
-            "parameter": np.tile(record.parameter_names, shape[0]),
-            "truth": np.tile(truth, shape[0]),
-            "estimate": estimate.mean[picked].ravel(),
-            "sd": estimate.sd[picked].ravel(),
-            "true_value": np.exp(np.tile(truth, shape[0])),
-            "value": np.exp(estimate.mean[picked].ravel()),
-            "nees": np.repeat([nees(e, c) for e, c in zip(error, estimate.cov[picked], strict=True)], shape[1]),
-        }
+    values = {"truth": truth, "estimate": logs, "true_value": np.exp(truth), "value": np.exp(logs)}
+    return pd.DataFrame({"case": case, "parameter": record.parameter_names, **values})
+
+
+def of_estimate(estimate: Estimate, record: Record, case: str, times: int = 1) -> pd.DataFrame:
+    """Rows of ``times`` kept times, evenly spread, or of the last: those of `of_logs`, ``sd``, and NEES of all."""
+    picked = np.unique(np.linspace(0, len(estimate.time) - 1, times).astype(int)) if times > 1 else [-1]
+    return pd.concat(
+        of_logs(estimate.mean[k], record, case).assign(
+            time_s=estimate.time[k], sd=estimate.sd[k], nees=nees(estimate.mean[k] - truth_of(record), estimate.cov[k])
+        )
+        for k in picked
     )
 
 

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, judged, one_by_one
-from eval.thesis.methods.least_squares import NonlinearLeastSquares
+from eval.thesis.methods.least_squares import nonlinear
 from eval.thesis.methods.moment_balance import balance_of
-from eval.thesis.methods.two_stage import TwoStageLogLinear
+from eval.thesis.methods.two_stage import exponents, two_stages
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import SENSORS, hinge_record, plane_record
 from jawenv.recordings.record import Record
 
 CLOSE = 0.1
 RECORDS = {"one muscle": hinge_record, "three muscles": plane_record}
-TWO_STAGES, NONLINEAR = TwoStageLogLinear(), NonlinearLeastSquares(starts=1)
 NOISY, PURE, SECOND, OTHER = "two stages", "two stages, no noise", "second stage, true F_o, no noise", "nonlinear"
 
 
@@ -26,11 +27,11 @@ def draw(rng: np.random.Generator) -> pd.DataFrame:
     for muscles, clean in RECORDS.items():
         record = with_noise(clean(), SENSORS, rng)
         for case, method, data in (
-            (NOISY, TWO_STAGES, record),
-            (PURE, TWO_STAGES, clean()),
-            (OTHER, NONLINEAR, record),
+            (NOISY, two_stages, record),
+            (PURE, two_stages, clean()),
+            (OTHER, partial(nonlinear, starts=1), record),
         ):
-            tables.append(rows.of_estimate(method.estimate(data), data, f"{muscles}: {case}"))
+            tables.append(rows.of_logs(method(data), data, f"{muscles}: {case}"))
         tables.append(_second_stage(clean(), f"{muscles}: {SECOND}"))
     return pd.concat(tables)
 
@@ -38,7 +39,7 @@ def draw(rng: np.random.Generator) -> pd.DataFrame:
 def _second_stage(record: Record, case: str) -> pd.DataFrame:
     """B by the second stage alone, given the true F_o and no noise: any error then lies in its formula."""
     values = np.exp(rows.truth_of(record))
-    b, _ = TWO_STAGES.exponents(balance_of(record, rows=TWO_STAGES.rows), values[0::2])
+    b = exponents(balance_of(record, rows="moment"), values[0::2])
     names = [name for name in record.parameter_names if name.startswith("log_b")]
     return pd.DataFrame({"case": case, "parameter": names, "true_value": values[1::2], "value": b})
 

@@ -87,7 +87,7 @@ class Cohort:
     description: str
     """Who they are, for tables."""
     basis: str
-    """Where the numbers come from, with their grade."""
+    """Source of the numbers, with their grade."""
     groups: tuple[tuple[Stiffness, Stiffness], ...]
     """Equally likely groups, each (left, right) stiffness of every whole muscle on that side."""
     muscles: MuscleSet = field(default_factory=muscle_set, repr=False)

@@ -69,7 +69,7 @@ class PatientJaw:
     b: Array
     """(n,) its growth with the strain: F_o exp(b (l - l_o) / l_o)."""
     rest: Motion
-    """Where the midline model of this patient rests."""
+    """Rest of this patient's midline model."""
 
 
 @runtime_checkable

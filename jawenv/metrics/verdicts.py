@@ -16,9 +16,9 @@ Array = NDArray[np.float64]
 
 NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN = "normal", "stiff", "blocked", "stiff and blocked", "not known yet"
 NOT_MEASURED = "not measured"
-"""Where the prior speaks: error bars are above ``MEASURED`` of it."""
+"""The prior decides: the error bars are above ``MEASURED`` of its sds."""
 NO_VERDICT = "no verdict"
-"""Where the readings do not fit the model."""
+"""The readings do not fit the model."""
 FINDINGS = (STIFF, BLOCKED, BOTH, NORMAL)
 OPEN = (UNKNOWN, NOT_MEASURED)
 WORDS = (NORMAL, STIFF, BLOCKED, BOTH, *OPEN)

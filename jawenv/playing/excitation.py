@@ -130,4 +130,4 @@ DESCRIPTIONS: Mapping[str, str] = MappingProxyType(
         "switching": "Every action thrown between its two extremes, once a second",
     }
 )
-"""What each of the baselines does, in a sentence."""
+"""A sentence on each baseline."""

@@ -27,7 +27,7 @@ UNITS: dict[str, dict[str, float]] = {
     "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "gf": _GRAM, "kgf": 1e3 * _GRAM},
     "N m": {"N m": 1.0, "N cm": 1e-2, "N mm": 1e-3, "mN m": 1e-3, "kgf m": 1e3 * _GRAM, "gf cm": 1e-2 * _GRAM},
 }
-"""By the unit of a column of the project: what others are in it."""
+"""Other units in the unit of a column, by the latter."""
 
 
 class Source(InputModel):

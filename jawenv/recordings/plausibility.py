@@ -38,7 +38,7 @@ MOST = 99.0
 LEAST_READ, MOST_REPEATED = 0.8, 0.3
 """Shares of the ticks: with a force, and with the same numbers as the tick before."""
 STEPS = 2.5
-"""By which numbers jump that were held: the smallest change of a column is a step."""
+"""Smallest jump of held numbers, in steps; a step is the smallest change of a column."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ NUMBERS: dict[str, tuple[int | str, float, float]] = {
     "disturbance_sd": (6, 0.0, 1e6),
     "truth": ("parameters", -20.0, 20.0),
 }
-"""How many, of a list, 0 for a number by itself; the least; the largest. SI units, parameters as natural logs."""
+"""Length of a list, 0 for a single number; the least; the largest. SI units, parameters as natural logs."""
 WORDS = (*TEXTS, *OBJECTS, *NUMBERS)
 
 

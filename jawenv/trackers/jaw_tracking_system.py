@@ -25,7 +25,7 @@ from jawenv.trackers.tracks import Array, Tracks, is_rate, matrices, millimetres
 LARGEST = 128 * 2**20
 """Bytes of all arrays."""
 SECONDS = 15
-"""By the clock, for a file whose reading takes a second."""
+"""Time limit for reading, which takes a second."""
 
 
 def read_jaw_tracking_system(path: Path, unit: str | None) -> Tracks:

@@ -9,8 +9,7 @@ from recorded import BODY, SWINGS, Waves, share
 
 import jawenv
 from agents import load_agent
-from eval.thesis.methods.least_squares import NonlinearLeastSquares
-from eval.thesis.methods.two_stage import TwoStageLogLinear
+from eval.thesis.methods.moment_balance import balance_of
 from jawenv import Device, InputError, Knowledge, OnlineFilter
 from jawenv.analysis.bound import bound_along
 from jawenv.anatomy.knowledge import LEVELS
@@ -82,8 +81,7 @@ def test_a_file_says_what_is_known_within_sds_and_gives_the_environments_belief(
     "estimate",
     [
         ExtendedKalman().estimate,
-        NonlinearLeastSquares().estimate,
-        TwoStageLogLinear().estimate,
+        balance_of,
         bound_along,
         lambda record: log_likelihood(record, record.truth),
     ],

@@ -16,12 +16,12 @@ ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
     "lines that README's commands load": 35_337,
-    "lines of everything else": 13_461,
+    "lines of everything else": 13_276,
     "lines that a step loads": 12_678,
     "lines that eval compare loads": 21_983,
-    "lines": 48_798,
+    "lines": 48_613,
     "files": 440,
-    "functions": 2_819,
+    "functions": 2_815,
 }
 STEP = """
 import gymnasium, jawenv

@@ -59,9 +59,7 @@ def expected_measurements(jaw: Any, states: Array) -> tuple[Array, Array, Array]
     return expected, rows, rates
 
 
-def motion_from_pose(
-    jaw: Any, measured: Array, measurement_sd: Array, start_mean: Array, start_sd: Array
-) -> tuple[Array, Array]:
+def motion_from_pose(jaw: Any, measured: Array, measurement_sd: Array, start_mean: Array, start_sd: Array) -> Array:
     """Motion at each of N times by weighted least squares, each time for itself.
 
     Twelve readings for ten unknowns. A coordinate that cannot move, ``start_sd`` 0, keeps its value and its speed.
@@ -74,14 +72,10 @@ def motion_from_pose(
         start_sd: (10,) 0 for what cannot move.
 
     Returns:
-        (N, 10) states (q, u) and (N, 10, 10) their covariance; 0 for what cannot move.
+        (N, 10) states (q, u).
     """
     if np.shape(start_mean) != (N_STATES,):
         raise InputError(f"start_mean has shape {np.shape(start_mean)}; allowed: ({N_STATES},): the midline model")
-    if np.ndim(measured) != 2 or np.shape(measured)[1] != N_MEASUREMENTS:
-        raise InputError(f"measured has shape {np.shape(measured)}; allowed: (N, {N_MEASUREMENTS})")
-    if not np.isfinite(measured).all():
-        raise InputError("measured holds a value that was not read; allowed: all 12: pose and its rates")
     free = np.asarray(start_sd) > 0.0
     states = np.tile(np.asarray(start_mean, dtype=np.float64), (len(measured), 1))
     guess = np.column_stack([measured[:, :2] - _arm(jaw, measured)[:, :2], measured[:, 3:6]])
@@ -92,10 +86,7 @@ def motion_from_pose(
         information = whitened.transpose(0, 2, 1) @ whitened
         score = np.einsum("nmi,nm->ni", whitened, (measured - expected) / measurement_sd)
         states[:, free] += np.linalg.solve(information, score[:, :, None])[:, :, 0]
-    covariance = np.zeros((len(measured), N_STATES, N_STATES))
-    rows_free, columns_free = np.ix_(free, free)
-    covariance[:, rows_free, columns_free] = np.linalg.inv(information)
-    return states, covariance
+    return states
 
 
 def acceleration_from_mouthpiece(

@@ -2,47 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from eval.thesis.methods.moment_balance import SMOOTHING_S, Balance, Rows, balance_of
-from eval.thesis.methods.regression import regression_covariance
-from jawenv.base.errors import InputError
-from jawenv.recordings.estimate import Estimate
+from eval.thesis.methods.moment_balance import Balance, balance_of
+from jawenv.anatomy import Prior
 from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
 REACH = 5.0  # prior sds to either side of the prior's mean: the bounds of the search, and the filter's
 
 
-@dataclass(frozen=True)
-class LinearLeastSquares:
-    """Least squares on the muscle law expanded at strain 0, F = F_o (1 + b e): Young (2016), eqs. 5.6-5.10.
+def linear(balance: Balance) -> Array:
+    """(2 m,) F_o and F_o b (N) of each muscle, which may be negative, from the law expanded at strain 0.
 
-    Linear in F_o and F_o b, so a pseudo-inverse solves it; and wrong, for at b = 8 a strain of 0.3 gives 3.4 F_o where
-    the law gives 11.0 F_o. The covariance is that of the regression about its own misfit and knows nothing of that.
+    F = F_o (1 + b e), Young (2016), eqs. 5.6-5.10, is linear in F_o and F_o b, so a pseudo-inverse solves it; and
+    wrong, for at b = 8 a strain of 0.3 gives 3.4 F_o where the law gives 11.0 F_o.
     """
-
-    def coefficients(self, balance: Balance, gain_sd: float = 0.0) -> tuple[Array, Array]:
-        """(2 m,) F_o and F_o b (N) of each muscle, which may be negative, and their covariance."""
-        weighted = balance.whitened(balance.noise)
-        columns = np.stack(
-            [weighted.sum_lines(weighted.pull), weighted.sum_lines(weighted.pull * weighted.strain[:, :, None])],
-            axis=2,
-        )
-        jacobian = columns.reshape(len(columns), -1, columns.shape[-1]).transpose(0, 2, 1)
-        matrix, right = jacobian.reshape(-1, jacobian.shape[2]), weighted.needed.ravel()
-        solution = np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
-        residual = (right - matrix @ solution).reshape(weighted.needed.shape)
-        return solution, regression_covariance(jacobian, residual, weighted.by_gain, gain_sd)
+    weighted = balance.whitened(balance.noise)
+    columns = np.stack(
+        [weighted.sum_lines(weighted.pull), weighted.sum_lines(weighted.pull * weighted.strain[:, :, None])], axis=2
+    )
+    matrix = columns.reshape(len(columns), -1, columns.shape[-1]).transpose(0, 2, 1).reshape(-1, 2 * balance.muscles)
+    return np.asarray(np.linalg.lstsq(matrix, weighted.needed.ravel(), rcond=None)[0], dtype=np.float64)
 
 
-@dataclass(frozen=True)
-class NonlinearLeastSquares:
-    """Least squares on the muscle law as it is: Young (2016), eqs. 5.11-5.15, over the logs of F_o and b.
+def nonlinear(record: Record, starts: int = 4, *, use_prior: bool = False) -> Array:
+    """(2 m,) natural logs of F_o and b by least squares on the law as it is: Young (2016), eqs. 5.11-5.15.
 
     The minimum of the sum of squares is sought by a trust-region method (Branch et al. 1999) with the exact Jacobian,
     within ``REACH`` prior sds, from several starts. A first search weighs the rows by the noise that the unknown
@@ -50,59 +37,39 @@ class NonlinearLeastSquares:
 
     Lengths come from measured places, and the unmodelled force that is the noise has moved the jaw: the regressors are
     noisy, and correlated with the noise. Where a maneuver excites all muscles apart this hardly matters. Where nearly
-    parallel ones hardly move apart, as in a slow opening, the estimate of their difference is biased by many of the
-    claimed sds; a filter, for which both are part of the model, is not.
+    parallel ones hardly move apart, as in a slow opening, the estimate of their difference is biased; a filter, for
+    which both are part of the model, is not.
+
+    Args:
+        record: of the midline model.
+        starts: 1 or more; the first is the prior's mean, the others are drawn from the prior.
+        use_prior: whether the prior belongs to the sum of squares; Young (2016) has none.
     """
+    plain = balance_of(record)
+    mean, sd = np.asarray(record.prior.mean), np.asarray(record.prior.sd)
+    drawn = mean + sd * np.random.default_rng(0).uniform(-2.0, 2.0, (starts - 1, len(mean)))
+    first = plain.whitened(plain.noise)
+    minima = [_search(first, start, record.prior, use_prior) for start in (mean, *drawn)]
+    best = min(minima, key=lambda pair: pair[1])[0]
+    residual = plain.needed - exerted(plain, best)
+    return _search(plain.whitened(residual.T @ residual / len(residual)), best, record.prior, use_prior)[0]
 
-    rows: Rows = "all"  # of the balance: the three moments (Young) or all five
-    starts: int = 4  # how many starts; the first is the prior's mean, the others are drawn from the prior
-    use_prior: bool = False  # whether the prior belongs to the sum of squares; Young (2016) has none
-    seed: int = 0  # of the starts
-    smoothing_s: float = SMOOTHING_S  # window of the balance's smoothing (s)
-    name: str = "nonlinear least squares"
 
-    def __post_init__(self) -> None:
-        """Check the number of starts."""
-        if self.starts < 1:
-            raise InputError(f"starts is {self.starts}; allowed: 1 or more")
+def _search(balance: Balance, start: Array, prior: Prior, use_prior: bool) -> tuple[Array, float]:
+    """The minimum that a search from ``start`` ends at, and half its sum of squares."""
+    mean, sd = np.asarray(prior.mean), np.asarray(prior.sd)
+    bounds = mean - REACH * sd, mean + REACH * sd
 
-    def estimate(self, record: Record) -> Estimate:
-        """The best of the minima found; a parameter at the search's bound was not determined, whatever its sd."""
-        plain = balance_of(record, rows=self.rows, smoothing_s=self.smoothing_s)
-        mean, sd = np.asarray(record.prior.mean), np.asarray(record.prior.sd)
-        bounds = mean - REACH * sd, mean + REACH * sd
-        rng = np.random.default_rng(self.seed)
-        drawn = mean + sd * rng.uniform(-2.0, 2.0, (self.starts - 1, len(mean)))
-        first = plain.whitened(plain.noise)
-        minima = [self._search(first, start, bounds, mean, sd) for start in (mean, *drawn)]
-        parameters = min(minima, key=lambda pair: pair[1])[0]
-        residual = plain.needed - exerted(plain, parameters)
-        balance = plain.whitened(residual.T @ residual / len(residual))
-        parameters, _ = self._search(balance, parameters, bounds, mean, sd)
-        covariance = regression_covariance(
-            exerted_jacobian(balance, parameters),
-            balance.needed - exerted(balance, parameters),
-            balance.by_gain,
-            record.gain_sd,
-            np.diag(sd**-2.0) if self.use_prior else None,
-        )
-        return Estimate(self.name, record.time[-1:], parameters[None], covariance[None])
+    def residual(parameters: Array) -> Array:
+        data = (exerted(balance, parameters) - balance.needed).ravel()
+        return np.concatenate([data, (parameters - mean) / sd]) if use_prior else data
 
-    def _search(
-        self, balance: Balance, start: Array, bounds: tuple[Array, Array], mean: Array, sd: Array
-    ) -> tuple[Array, float]:
-        """The minimum that a search from ``start`` ends at, and half its sum of squares."""
+    def jacobian(parameters: Array) -> Array:
+        data = exerted_jacobian(balance, parameters).reshape(-1, len(mean))
+        return np.vstack([data, np.diag(1.0 / sd)]) if use_prior else data
 
-        def residual(parameters: Array) -> Array:
-            data = (exerted(balance, parameters) - balance.needed).ravel()
-            return np.concatenate([data, (parameters - mean) / sd]) if self.use_prior else data
-
-        def jacobian(parameters: Array) -> Array:
-            data = exerted_jacobian(balance, parameters).reshape(-1, len(mean))
-            return np.vstack([data, np.diag(1.0 / sd)]) if self.use_prior else data
-
-        result = least_squares(residual, np.clip(start, *bounds), jacobian, bounds, x_scale=sd, xtol=1e-10, ftol=1e-12)
-        return result.x, float(result.cost)
+    result = least_squares(residual, np.clip(start, *bounds), jacobian, bounds, x_scale=sd, xtol=1e-10, ftol=1e-12)
+    return result.x, float(result.cost)
 
 
 def tensions(balance: Balance, parameters: Array) -> Array:

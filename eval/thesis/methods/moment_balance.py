@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 Rows = Literal["moment", "all"]
 FORCE_ROWS, MOMENT_ROWS = (0, 1), (2, 3, 4)
 SMOOTHING_S = 0.2
+"""Window of the smoothing, made an odd number of ticks, at least 3, which smooth nothing."""
 SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 
 
@@ -97,7 +98,6 @@ class Balance:
     """N times r equations needed = sum over lines of pull times tension, of m muscles with one or more lines each."""
 
     needed: Array  # (N, r) what the muscles must have exerted: force (N) or moment (N m)
-    by_gain: Array  # (N, r) its derivative by the load cell's relative gain error
     noise: Array  # (r, r) covariance of the noise that the unknown wrench alone makes of one time's rows
     pull: Array  # (N, lines, r) what a line with 1 N exerts
     strain: Array  # (N, lines) (l - l_o)/l_o
@@ -114,14 +114,13 @@ class Balance:
         return replace(
             self,
             needed=self.needed @ inverse.T,
-            by_gain=self.by_gain @ inverse.T,
             pull=self.pull @ inverse.T,
             noise=inverse @ self.noise @ inverse.T,
         )
 
     def select(self, times: NDArray[np.bool_]) -> Balance:
         """The equations of some of the times (N,)."""
-        arrays = {name: getattr(self, name)[times] for name in ("needed", "by_gain", "pull", "strain")}
+        arrays = {name: getattr(self, name)[times] for name in ("needed", "pull", "strain")}
         return replace(self, **arrays)
 
     def sum_lines(self, per_line: Array) -> Array:
@@ -153,24 +152,21 @@ def balance(jaw: Any, states: Array, accelerations: Array, wrenches: Array) -> t
     return needed, by_wrench, pull, strain
 
 
-def balance_of(record: Record, *, rows: Rows = "all", smoothing_s: float = SMOOTHING_S) -> Balance:
+def balance_of(record: Record, *, rows: Rows = "all") -> Balance:
     """The equations that a record gives, smoothed, at times half a smoothing window apart.
 
     Args:
         record: of the midline model, with the whole pose measured.
         rows: the three moments (Young 2016) or the two forces along the fossa too; of a coordinate that cannot move
             there is none, whatever holds it being unknown.
-        smoothing_s: length of the window (s), made an odd number of ticks, at least 3, which smooth nothing.
     """
     record.require_exact("balance of moments")
-    if rows not in ("moment", "all"):
-        raise InputError(f"rows is {rows!r}; allowed: 'moment', 'all'")
     if not (np.isfinite(record.measured).all() and np.isfinite(record.samples).all()):
         raise InputError("record holds a value that was not read; allowed: pose and rates at all times, and wrenches")
     ticks = len(record.samples)
-    window = max(3, 2 * round(smoothing_s / record.dt / 2) + 1) if np.isfinite(smoothing_s) else ticks + 1
+    window = max(3, 2 * round(SMOOTHING_S / record.dt / 2) + 1)
     if window > ticks:
-        raise InputError(f"smoothing_s is {smoothing_s}; allowed: up to the record's {ticks * record.dt:g} s")
+        raise InputError(f"record has {ticks * record.dt:g} s; allowed: {SMOOTHING_S:g} s or more")
     half = window // 2
 
     def smooth(values: Array) -> Array:
@@ -182,18 +178,16 @@ def balance_of(record: Record, *, rows: Rows = "all", smoothing_s: float = SMOOT
     rates = record.measured[:, 6:]
     accelerations = smooth((rates[1:] - rates[:-1]) / record.dt)
     wrenches = smooth(np.einsum("s,tsk->tk", SIMPSON, record.samples))
-    states, _ = motion_from_pose(record.jaw, measured, record.measurement_sd, record.start_mean, record.start_sd)
+    states = motion_from_pose(record.jaw, measured, record.measurement_sd, record.start_mean, record.start_sd)
     # Of the speeds, so that they stand for x', y' and body axes 1, 2, 3 in this order.
     free = record.start_sd[N_COORDINATES:] > 0.0
     turned = acceleration_from_mouthpiece(record.jaw, states, accelerations, record.measurement_sd[6:], free)
     needed, by_wrench, pull, strain = balance(record.jaw, states, turned, wrenches)
     used_rows = [i for i in (*FORCE_ROWS, *MOMENT_ROWS) if free[i] and (rows == "all" or i in MOMENT_ROWS)]
-    by_gain = -np.einsum("nij,nj->ni", by_wrench, wrenches)
     noise = np.einsum("nij,j,nkj->ik", by_wrench, record.wrench_sd**2, by_wrench) / len(states)
     noise *= np.sum(savgol_coeffs(window, 2) ** 2)
     return Balance(
         needed=needed[:, used_rows],
-        by_gain=by_gain[:, used_rows],
         noise=noise[np.ix_(used_rows, used_rows)],
         pull=pull[:, :, used_rows],
         strain=strain,

@@ -32,8 +32,8 @@ def compatible_range(jaw: Any, pose: ArrayLike, lower: ArrayLike, upper: ArrayLi
     Returns:
         (5, 2) least and greatest value of each coordinate among the poses that the same point is compatible with.
     """
-    low, high = _bounds(lower, upper)
-    width, start = high - low, np.asarray(pose, dtype=np.float64)
+    low, high, start = (np.asarray(values, dtype=np.float64) for values in (lower, upper, pose))
+    width = high - low
     point, rows = mouthpiece(jaw, start)
     size = np.linalg.norm(rows * width)  # of the way that the point can go, so that the constraint is of order 1
     constraint = {
@@ -66,10 +66,3 @@ def mouthpiece(jaw: Any, pose: Array) -> tuple[Array, Array]:
     state[0, :N_COORDINATES] = pose
     expected, rows, _ = expected_measurements(jaw, state)
     return expected[0, :3], rows[0, :3, :N_COORDINATES]
-
-
-def _bounds(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
-    low, high = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
-    if low.shape != (N_COORDINATES,) or high.shape != (N_COORDINATES,) or not (low < high).all():
-        raise InputError(f"lower is {low.tolist()}, upper {high.tolist()}; allowed: five numbers each, lower < upper")
-    return low, high

@@ -76,11 +76,11 @@ class Maneuver(InputModel):
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
     """Short name, lower case with underscores."""
     title: Annotated[Text, Field(min_length=1)]
-    """What a table or a figure calls it."""
+    """Name in tables and figures."""
     description: Annotated[Text, Field(min_length=1)]
-    """What it does and why."""
+    """Its movement, and the reason for it."""
     source: Annotated[Text, Field(min_length=1)]
-    """Where the idea comes from."""
+    """Source of the idea."""
     fade_in_s: Annotated[Number, Field(ge=SHORTEST_S, le=30)] = 1.0
     """Over this time every target grows from rest to its full size."""
     channels: Channels

@@ -45,7 +45,7 @@ def named_agent(
 
 
 def agent_of(spec: str | Path, control: Control, control_hz: float | None, env_id: str) -> Agent:
-    """As `named_agent`; a text that stands for no agent is refused."""
+    """Load the agent of `named_agent`, or refuse a text that stands for none."""
     agent = named_agent(spec, control, control_hz, env_id)
     if agent is None:
         files = f", a maneuver file ({', '.join(SUFFIXES)}) or a policy's folder"

@@ -38,9 +38,9 @@ STARTS, START_SD = 6, 0.7
 ITERATIONS, SMALL_GAIN, SMALL_DAMPING, LARGE_DAMPING = 60, 1e-3, 0.03, 1e3
 LARGEST_STEP, LARGEST_END_STEP_M = 1.2, 3e-3
 FLOOR_MM, FLOOR_N = 0.1, 0.1
-"""What statics leaves out of a window."""
+"""Sds of errors of statics in a window."""
 NO_REST_SDS = 3.0
-"""So far off is a window in which the jaw has no equilibrium that it could come to: it runs over the crest."""
+"""Residual of a window without an equilibrium: the jaw runs over the crest."""
 AS_GOOD = 3.0
 """Excess of cost up to which another mode begins draws too."""
 

@@ -34,8 +34,8 @@ _EFFORT, _LONG = (12, 6), (80, 14)
 """Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
 _ENOUGH = 1e-4
 _NEAR, _FAR = 5.0, 10.0
-"""How far below the most probable explanation another one is to be named, nats; how far from a belief, in sds squared
-over the number of parameters.
+"""Largest distance of another named explanation below the most probable one, nats; least distance from a belief, in sds
+squared over the number of parameters.
 """
 _DRAWS = 400
 

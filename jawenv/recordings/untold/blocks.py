@@ -36,7 +36,7 @@ _WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones n
 _MOST_PASSES, _CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
 _N_CONSTANT = len(WRENCH_UNITS)
 _OF_A_SESSION = ("gravity", "tone", "mouthpiece", "offset", "turn", "cell_turn", "of_motors", "again")
-"""What moves one of these is drawn anew with each mounting; all else is the patient's own."""
+"""Each mounting draws the unknowns of these effects anew; all others are the patient's own."""
 N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
 _STRETCHES = 3  # of a recording, over each of which the load cell's zero may drift by a number of its own

@@ -143,7 +143,7 @@ def test_a_bias_of_a_known_size_is_found_and_named():
     assert shifted["largest_mean_z_of"] == name
     assert shifted["largest_mean_z"] == pytest.approx(honest[f"mean_z/{name}"] - 0.5, abs=1e-9)
     assert shifted["largest_mean_z_low"] <= -0.5 <= shifted["largest_mean_z_high"] < 0.0
-    cell = summary.cells(shifted)[summary.COLUMNS.index("largest mean z")]
+    cell = summary.COLUMNS["largest mean z"](shifted)
     assert cell.startswith("−0.") and cell.endswith("), b of temporalis right")
 
 

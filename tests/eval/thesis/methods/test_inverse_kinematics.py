@@ -1,4 +1,4 @@
-"""Motion from the mouthpiece's pose and its rates, against the independent model; its covariance by drawing noise."""
+"""Motion from the mouthpiece's pose and its rates, against the independent model."""
 
 import newton_euler as twin
 import numpy as np
@@ -18,34 +18,20 @@ def readings(jaw, states):
 
 def test_without_noise_the_motion_is_recovered_to_rounding(jaw, rng):
     states = rng.uniform(LOW, HIGH, (50, 10))
-    found, _ = motion_from_pose(jaw, readings(jaw, states), SD, np.zeros(10), FREE)
+    found = motion_from_pose(jaw, readings(jaw, states), SD, np.zeros(10), FREE)
     np.testing.assert_allclose(found, states, atol=1e-12)
 
 
-def test_what_cannot_move_stays_and_carries_no_doubt(rng):
+def test_what_cannot_move_stays(rng):
     jaw = build_jaw(free=(True, False, True, False, False))
     moves = np.array([1, 0, 1, 0, 0, 1, 0, 0, 1, 0], dtype=bool)
     states = np.where(moves, rng.uniform(LOW, HIGH, (20, 10)), 0.0)
     noisy = readings(jaw, states) + SD * rng.standard_normal((20, 12))
-    found, covariance = motion_from_pose(jaw, noisy, SD, np.zeros(10), moves.astype(float))
+    found = motion_from_pose(jaw, noisy, SD, np.zeros(10), moves.astype(float))
     assert (found[:, ~moves] == 0.0).all()
-    assert (covariance[:, ~moves] == 0.0).all() and (covariance[:, :, ~moves] == 0.0).all()
-    sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))[:, moves]
-    assert (np.abs(found - states)[:, moves] < 5.0 * sd).all()
-
-
-def test_the_covariance_is_that_of_many_draws(jaw, rng):
-    """The normalised square of the error is chi-squared with ten degrees of freedom, and no direction is off."""
-    state = rng.uniform(LOW, HIGH)
-    draws = readings(jaw, [state]) + SD * rng.standard_normal((4000, 12))
-    found, covariance = motion_from_pose(jaw, draws, SD, np.zeros(10), FREE)
-    whitened = np.linalg.solve(np.linalg.cholesky(covariance[0]), (found - state).T)
-    np.testing.assert_allclose(whitened @ whitened.T / 4000, np.eye(10), atol=0.1)
-    assert np.abs(whitened.mean(axis=1)).max() < 0.08
-    # Fisher's information from the independent model's own derivative.
-    rows = twin.derivative(lambda s: twin.measurement(jaw, s), state) / SD[:, None]
-    at_truth, exact = motion_from_pose(jaw, readings(jaw, [state]), SD, np.zeros(10), FREE)
-    np.testing.assert_allclose(exact[0] @ (rows.T @ rows), np.eye(10), atol=1e-8)
+    rows = twin.derivative(lambda s: twin.measurement(jaw, s), states[0])[:, moves] / SD[:, None]
+    sd = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
+    assert (np.abs(found - states)[:, moves] < 6.0 * sd).all()
 
 
 def test_accelerations_are_those_of_the_independent_model(jaw, rng):

@@ -2,11 +2,9 @@
 
 import newton_euler as twin
 import numpy as np
-import pytest
 from scipy.optimize import least_squares
 
 from eval.thesis.methods.point_kinematics import compatible_range, mouthpiece
-from jawenv.base.errors import InputError
 
 LOW = np.array([0.0, -3e-3, 0.0, -0.1, -0.1])
 HIGH = np.array([1.2e-2, 3e-3, 0.45, 0.1, 0.1])
@@ -42,9 +40,3 @@ def test_the_range_that_bounds_leave_is_wide_and_its_ends_are_reached(jaw):
     assert len(poses) > 5
     assert (poses >= extremes[:, 0] - 1e-4 * WIDTH).all() and (poses <= extremes[:, 1] + 1e-4 * WIDTH).all()
     assert np.ptp(np.array(poses)[:, 1]) > 1e-3, "what is found depends on the start"
-
-
-def test_wrong_input_is_named(jaw):
-    middle = 0.5 * (LOW + HIGH)
-    with pytest.raises(InputError):
-        compatible_range(jaw, middle, HIGH, LOW)
