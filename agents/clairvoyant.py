@@ -55,7 +55,7 @@ class Clairvoyant(BatchAgent):
         self._simulation: Any = None
 
     def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
-        """See ``jawenv.playing.agents.Planning.attach``."""
+        """See ``jawenv.playing.agents.introduce``."""
         unwrapped: Any = env.unwrapped
         simulation = unwrapped.simulation
         self._check(simulation.configuration.control)

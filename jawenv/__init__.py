@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from jawenv.playing.maneuvers import Maneuver as Maneuver
     from jawenv.playing.maneuvers import Player as Player
     from jawenv.playing.maneuvers import maneuver_names as maneuver_names
-    from jawenv.playing.rollout import information_bound as information_bound
     from jawenv.playing.rollout import play as play
     from jawenv.recordings.online import OnlineFilter as OnlineFilter
 
@@ -72,7 +71,6 @@ _HOMES = {
     "fisher_information": "jawenv.inference.likelihood",
     "identifiability": "jawenv.analysis.identifiability",
     "identify": "jawenv.answers.identify",
-    "information_bound": "jawenv.playing.rollout",
     "log_likelihood": "jawenv.inference.likelihood",
     "maneuver_names": "jawenv.playing.maneuvers",
     "play": "jawenv.playing.rollout",

@@ -19,7 +19,7 @@ class Beliefs(NamedTuple):
     def of(cls, mean: ArrayLike, cov: ArrayLike, truth: Array) -> Self:
         """Beliefs with mean (N, P) and covariance (N, P, P)."""
         error, cov = np.asarray(mean) - truth, np.asarray(cov)
-        nees = np.mean(error * np.linalg.solve(cov, error[..., None])[..., 0], axis=-1)
+        nees = np.einsum("...p,...pq,...q->...", error, np.linalg.inv(cov), error) / error.shape[-1]
         return cls(nees, error, np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1)))
 
 

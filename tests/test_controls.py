@@ -17,7 +17,6 @@ from eval.kept.entries import Settings
 from eval.studies.design import Design as Study
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration
-from jawenv.playing.rollout import information_bound
 
 SHORT = {"episode_s": 1.0, "track_bound": False}
 
@@ -65,14 +64,6 @@ def test_a_contradiction_is_one_line_that_names_both(agent: object, asked: str) 
         jawenv.play(agent, patients=1, seed=0, env_kwargs={"control": asked})
     name, own = agent.name, agent.control  # type: ignore[attr-defined]
     assert str(caught.value) == f"control is {asked!r}; allowed for agent {name!r}, whose actions are of it: {own}"
-
-
-def test_the_bound_of_a_maneuver_is_that_of_the_environment_it_is_for() -> None:
-    patient = jawenv.cohort("trismus").draw(np.random.default_rng(0))
-    env = gym.make("jawenv/Jaw-v3", episode_s=0.4)
-    with pytest.raises(jawenv.InputError):
-        information_bound(env, jawenv.Player("hold_still", control="force"), patient)
-    assert len(information_bound({"episode_s": 0.4}, jawenv.Player("hold_still", control="force"), patient)) == 9
 
 
 def test_agents_without_a_control_leave_it_to_the_environment() -> None:

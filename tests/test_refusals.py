@@ -17,8 +17,6 @@ from eval.patient.treatments import Course
 from eval.thesis.methods.inverse_kinematics import motion_from_pose
 from eval.thesis.methods.moment_balance import balance_of
 from jawenv import InputError
-from jawenv.analysis.identifiability import collinearity, collinearity_of_size
-from jawenv.analysis.observability import observability
 from jawenv.analysis.wording import in_words
 from jawenv.anatomy import MuscleSet, Patient, Prior, attachment, cohort, default_fossa, default_mandible, muscle_set
 from jawenv.anatomy.prior import Stiffness
@@ -26,11 +24,11 @@ from jawenv.ladder import model_named, model_of_env
 from jawenv.mechanics import build_jaw
 from jawenv.metrics import diagnose, nees, time_to
 from jawenv.playing.policies.following import TargetsLaw, decision_hz
-from jawenv.playing.rollout import information_bound, play
+from jawenv.playing.rollout import play
 from jawenv.playing.singles import SingleWorlds
 from jawenv.recordings.record_filter import TensionFilter
 from jawenv.references.extended_kalman import ExtendedKalman
-from jawenv.rendering import Renderer
+from jawenv.rendering.renderer import Renderer
 from training.run.config import Residual, TrainingConfig
 from training.search.gradient import search
 
@@ -118,14 +116,6 @@ LABORATORY = [
     ("read", lambda: balance_of(replace(hinge(), measured=BLIND[:1].repeat(len(hinge().measured), 0)))),
     ("record has allowed", lambda: balance_of(hinge().until(0.05))),
     *(
-        ("subset different", lambda subset=subset: collinearity(np.eye(12), subset))
-        for subset in ([], [0, 0], [0, 12], [-1])
-    ),
-    ("size 0 allowed", lambda: collinearity_of_size(np.eye(12), 0)),
-    ("size 13 allowed", lambda: collinearity_of_size(np.eye(12), 13)),
-    ("subsets allowed", lambda: collinearity_of_size(np.eye(40), 20)),
-    *((f"window_s {s} 30", lambda s=s: observability(hinge(), window_s=s)) for s in (0.0, 30.5, nan, inf)),
-    *(
         ("direction 12 finite", lambda way=way: in_words(way, jawenv.PARAMETER_NAMES))
         for way in (np.zeros(12), np.ones(3), np.full(12, inf))
     ),
@@ -136,7 +126,6 @@ PLAYING = [
     ("threshold -1.0 allowed", lambda: diagnose(ONE, ONE, ONE, -1.0, 0.95)),
     ("confidence 1.0 allowed", lambda: diagnose(ONE, ONE, ONE, 1.0, 1.0)),
     ("confidence 0.3 allowed", lambda: diagnose(ONE, ONE, ONE, 1.0, 0.3)),
-    ("env_or_jaw float allowed", lambda: information_bound(1.0, agents.load_agent("hold_still"), None)),
     ("env_id Pendulum-v1 jawenv", lambda: SingleWorlds("Pendulum-v1", 1, {})),
     ("agent object predict", lambda: play(object(), patients=1, seed=0)),
     *(

@@ -12,7 +12,7 @@ from jawenv.mechanics import build_jaw
 from jawenv.mechanics.acceleration import acceleration
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.passive_opening import opening_of
+from jawenv.mechanics.opening import opening_of
 
 COMFORT = Comfort().in_si()
 

@@ -31,7 +31,6 @@ def _play_command(
         Path | None, typer.Option(help="File of the patient; one is drawn from the cohort by default.", metavar="FILE")
     ] = None,
     seed: options.Seed = REPORTS[0].start,
-    start_s: Annotated[float, typer.Option(help="Where the film begins, s.", metavar="S")] = 0.0,
     width: Annotated[int, typer.Option(help="Of the film, pixels.", metavar="N")] = 1280,
     every: Annotated[int, typer.Option(help="Of the control steps one is filmed.", metavar="N")] = 1,
     trust: options.Trust = False,
@@ -51,7 +50,7 @@ def _play_command(
 
     asked = Configuration.from_mapping({"env": env_of_runs(entries)} | world)
     loaded, console = load_entries(entries, asked, trust=trust), terminal()
-    films = [film.Film(entry, seed, patient, start_s, width, every) for entry in loaded]
+    films = [film.Film(entry, seed, patient, width, every) for entry in loaded]
     summary = film.show(films[0], console) if video is None else film.write(films, video, console)
     console.print(summary + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)
 

@@ -21,12 +21,12 @@ from jawenv.base.progress import Progress
 from jawenv.envs.shown_world import build_scene
 from jawenv.ladder import model_of_env
 from jawenv.playing.recording import Recording
-from jawenv.rendering.film import PairRenderer
+from jawenv.rendering.pair import PairRenderer
 from jawenv.rendering.renderer import Renderer
 
 if TYPE_CHECKING:
     from eval.kept.entries import Entry
-    from jawenv.rendering import Scene
+    from jawenv.rendering.scene import Scene
 
 FORMATS = (".mp4", ".webp")
 FULL_WIDTH, FULL_HEIGHT = 1280, 720
@@ -39,7 +39,6 @@ class Film:
     entry: Entry = field(repr=False)  # who plays, and in which environment
     seed: int = 0  # of patient and noise
     patient: Path | None = None  # file of a patient; one is drawn from the cohort by default
-    start_s: float = 0.0  # where the film begins, s
     width: int = FULL_WIDTH  # of its pictures, pixels; a multiple of 32
     every: int = 1  # of the control steps one is shown
 
@@ -49,10 +48,6 @@ class Film:
             raise InputError(f"width is {self.width}; allowed: a multiple of 32, 320 to {FULL_WIDTH}")
         if self.every < 1:
             raise InputError(f"every is {self.every}; allowed: 1 or more")
-        if not self.start_s >= 0.0:
-            raise InputError(f"start_s is {self.start_s:g}; allowed: 0 or more")
-        if self.start_s >= self.entry.world.episode_s:
-            raise InputError(f"start_s is {self.start_s:g}; allowed: a time within the episode")
 
     @property
     def rate(self) -> float:
@@ -81,8 +76,7 @@ class Film:
 
     def shown(self, scenes: Sequence[Scene]) -> list[Scene]:
         """The scenes of an episode that are in the film, the last one too."""
-        last, start = len(scenes) - 1, self.start_s * self.entry.world.steps_per_s
-        return [scene for i, scene in enumerate(scenes) if i == last or (i >= start and i % self.every == 0)]
+        return [scene for i, scene in enumerate(scenes) if scene is scenes[-1] or i % self.every == 0]
 
 
 def show(film: Film, console: Console) -> str:

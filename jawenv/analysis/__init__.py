@@ -1,1 +1,1 @@
-"""Limits of any estimator: bound, identifiability and observability."""
+"""Limits of any estimator: bound and identifiability."""

@@ -6,23 +6,19 @@ estimator. Parameters are natural logs: a direction's sd of 0.05 is 5 %.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from jawenv.analysis.bound import bound_along
-from jawenv.analysis.observability import Observability, observability
 from jawenv.analysis.wording import in_words
 from jawenv.base.errors import InputError
 from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
-MOST_SUBSETS = 200_000
 # Brun et al. (2001) call parameters of a collinearity index above 10 to 15 poorly identifiable together.
 COLLINEAR = 10.0
 
@@ -43,8 +39,8 @@ def data_information(covariance: Array, prior_sd: Array) -> Array:
     return np.asarray(0.5 * (gained + gained.T) / size, dtype=np.float64)
 
 
-def collinearity(information: Array, subset: Sequence[int] | None = None) -> float:
-    """Collinearity index gamma_K of some parameters (Brun, Reichert & Kuensch 2001, Water Resour. Res. 37:1015).
+def collinearity(information: Array, subsets: ArrayLike) -> Array:
+    """Collinearity indices gamma_K of some parameters (Brun, Reichert & Kuensch 2001, Water Resour. Res. 37:1015).
 
     1 / sqrt(smallest eigenvalue of S~^T S~), with S~ the sensitivities of the chosen parameters, each of length 1. Here
     S^T S is the data's information, in which motion and noise are integrated out. It is 1 for parameters whose effects
@@ -53,46 +49,19 @@ def collinearity(information: Array, subset: Sequence[int] | None = None) -> flo
 
     Args:
         information: (p, p) of the data alone.
-        subset: which parameters; None for all.
+        subsets: (M, k) numbers of the chosen parameters.
 
     Returns:
-        1 or more; infinite if the data do not see one of them, or cannot tell them apart at all.
+        (M,) 1 or more; infinite if the data do not see one of them, or cannot tell them apart at all.
     """
-    size = len(information)
-    chosen = list(range(size)) if subset is None else list(subset)
-    if not chosen or len(set(chosen)) != len(chosen) or not all(0 <= i < size for i in chosen):
-        raise InputError(f"subset is {chosen}; allowed: different numbers from 0 to {size - 1}")
-    return float(_indices(information, np.array([chosen]))[0])
-
-
-def collinearity_of_size(information: Array, size: int) -> tuple[NDArray[np.intp], Array]:
-    """Every subset of some size with its collinearity index, the most collinear first.
-
-    Args:
-        information: (p, p) of the data alone.
-        size: parameters in each of the M subsets.
-
-    Returns:
-        (M, size) parameter numbers and (M,) indices.
-    """
-    number = len(information)
-    if not 1 <= size <= number or comb(number, size) > MOST_SUBSETS:
-        raise InputError(f"size is {size}; allowed: 1 to {number} with at most {MOST_SUBSETS} subsets")
-    subsets = np.array(list(combinations(range(number), size)))
-    indices = _indices(information, subsets)
-    order = np.argsort(-indices, kind="stable")
-    return subsets[order], indices[order]
-
-
-def _indices(information: Array, subsets: NDArray[np.intp]) -> Array:
-    """(M,) collinearity indices of (M, k) subsets."""
+    chosen = np.asarray(subsets)
     length = np.sqrt(np.maximum(np.diag(information), 0.0))
     scale = np.where(length > 0.0, length, 1.0)
     unit = information / np.outer(scale, scale)
-    smallest = np.linalg.eigvalsh(unit[subsets[:, :, None], subsets[:, None, :]])[:, 0]
-    smallest[(length[subsets] == 0.0).any(axis=1)] = 0.0
+    smallest = np.linalg.eigvalsh(unit[chosen[:, :, None], chosen[:, None, :]])[:, 0]
+    smallest[(length[chosen] == 0.0).any(axis=1)] = 0.0
     # Below rounding there is no telling how small it is.
-    rounding = subsets.shape[1] * np.finfo(float).eps
+    rounding = chosen.shape[1] * np.finfo(float).eps
     return np.where(smallest > rounding, 1.0 / np.sqrt(np.maximum(smallest, rounding)), np.inf)
 
 
@@ -115,7 +84,6 @@ class Identifiability:
     covariance: Array  # (p, p) bound at its end
     prior_sd: Array  # (p,) before the record
     information: Array  # (p, p) from the data alone
-    observability: Observability  # ranks and singular values of motion and parameters together, window by window
 
     @property
     def sd(self) -> Array:
@@ -127,15 +95,10 @@ class Identifiability:
         """(p,) eigenvalues of the data's information, largest first; 1 / sqrt of one is the data's own sd."""
         return np.asarray(np.linalg.eigvalsh(self.information)[::-1], dtype=np.float64)
 
-    @cached_property
-    def directions(self) -> Array:
-        """(p, p) eigenvectors of the data's information, in the order of ``spectrum``: one in each column."""
-        return np.linalg.eigh(self.information)[1][:, ::-1]
-
     @property
     def collinearity(self) -> float:
         """Collinearity index of all parameters together."""
-        return collinearity(self.information)
+        return float(collinearity(self.information, [range(len(self.prior_sd))])[0])
 
     def least_known(self, number: int = 1) -> list[_Combination]:
         """The directions with the largest posterior sd, largest first.
@@ -159,7 +122,7 @@ class Identifiability:
 
     def describe(self) -> str:
         """A few lines for a person."""
-        size, seen = len(self.prior_sd), self.observability
+        size = len(self.prior_sd)
         nats = float(np.log(self.prior_sd).sum() - 0.5 * np.linalg.slogdet(self.covariance)[1])
         worst = int(np.argmax(self.sd))
         determined = int((self.spectrum * np.mean(self.prior_sd**2) > 1.0).sum())
@@ -172,16 +135,11 @@ class Identifiability:
             f"collinearity index of all: {self.collinearity:.1f}",
         ]
         if size > 1:
-            subsets, indices = collinearity_of_size(self.information, 2)
-            first, second = (self.parameter_names[i] for i in subsets[0])
-            verdict = "hard to tell apart" if indices[0] > COLLINEAR else "can be told apart"
-            lines.append(f"most collinear pair: {first} and {second}, index {indices[0]:.1f}, {verdict}")
-        full = np.flatnonzero(seen.growing_rank == seen.states)
-        when = f"{seen.start[full[0]] + seen.window_s:g} s" if len(full) else "never"
-        lines.append(
-            f"motion and parameters, {seen.states} states: rank {seen.frozen_rank.min()} to {seen.frozen_rank.max()} "
-            f"at one moment, {seen.rank.min()} to {seen.rank.max()} in {seen.window_s:g} s; full rank after: {when}"
-        )
+            pairs = list(combinations(range(size), 2))
+            indices = collinearity(self.information, pairs)
+            first, second = (self.parameter_names[i] for i in pairs[int(indices.argmax())])
+            verdict = "hard to tell apart" if indices.max() > COLLINEAR else "can be told apart"
+            lines.append(f"most collinear pair: {first} and {second}, index {indices.max():.1f}, {verdict}")
         return "\n".join(lines)
 
 
@@ -189,7 +147,7 @@ def identifiability(record: Record) -> Identifiability:
     """The identifiability of a record's parameters, at its ``truth`` and ``states``, see ``bound.bound_along``.
 
     Raises:
-        InputError: as ``bound_along`` and ``observability``.
+        InputError: as ``bound_along``.
     """
     bound = bound_along(record, every=len(record.time) - 1)
     return Identifiability(
@@ -198,5 +156,4 @@ def identifiability(record: Record) -> Identifiability:
         covariance=bound.cov[-1],
         prior_sd=bound.prior_sd,
         information=data_information(bound.cov[-1], bound.prior_sd),
-        observability=observability(record),
     )

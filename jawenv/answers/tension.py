@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jawenv.mechanics.passive_opening import muscle_lengths, opening_of
+from jawenv.mechanics.opening import muscle_lengths, opening_of
 from jawenv.recordings.defaults import motion_of_reading
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record

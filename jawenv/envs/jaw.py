@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import Any, Literal, cast
 
 import gymnasium as gym
 import numpy as np
@@ -18,13 +18,9 @@ from jawenv.envs.episode_seeds import checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 
-if TYPE_CHECKING:
-    from jawenv.envs.snapshots import Snapshot
-
 Observation = NDArray[np.float32]
 Action = NDArray[np.float32]
 _ON = np.ones(1, dtype=np.bool_)
-_STATE = ("_np_random", "_np_random_seed", "_begun", "_potential", "_end")
 
 
 class JawEnv(gym.Env[Observation, Action]):
@@ -187,26 +183,6 @@ class JawEnv(gym.Env[Observation, Action]):
         if self.render_mode == "human":
             self.render()
         return simulation.observation[0].copy(), reward, terminated, truncated, info
-
-    def snapshot(self) -> Snapshot:
-        """The state between two steps, random numbers included, for ``restore``: the future is the same bit for bit.
-
-        What wrappers count, and the spaces' own random numbers, are not in it.
-        """
-        from jawenv.envs.snapshots import take_snapshot
-
-        return take_snapshot(self, _STATE)
-
-    def restore(self, snapshot: Snapshot) -> None:
-        """Go back to a snapshot of this environment, or of another one that was made alike; any number of times.
-
-        Pictures keep their trace of the time before.
-        """
-        from jawenv.envs.snapshots import restore_snapshot
-
-        restore_snapshot(self, snapshot)
-        if self._begun:
-            self._note()
 
     def render(self) -> Any:
         """The frame (720, 1280, 3) as ``uint8`` for ``"rgb_array"``; shown in a window for ``"human"``."""

@@ -154,14 +154,6 @@ class OwnEstimators:
             gain_sd=float(simulation.device[0]["cell_gain"]),
         )
 
-    def state(self) -> Any:
-        """A copy of all that changes, for ``set_state``."""
-        return copy.deepcopy((self.each, self._means, self._covs, self._failed))
-
-    def set_state(self, state: Any) -> None:
-        """Go back to what ``state`` has returned, which stays as it is."""
-        self.each, self._means, self._covs, self._failed = copy.deepcopy(state)
-
 
 def _checked_belief(estimator: Any, parameters: int) -> tuple[Array, Array]:
     """Mean (p,) and covariance (p, p) of an estimator."""

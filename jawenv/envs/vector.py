@@ -31,11 +31,9 @@ from jawenv.envs.vector_arguments import (
 
 if TYPE_CHECKING:
     from jawenv.envs.pictures import WorldPictures
-    from jawenv.envs.snapshots import Snapshot
 
 Batch = tuple[NDArray[np.float32], dict[str, Any]]
 StepBatch = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
-_STATE = ("_generators", "_seeds", "_begun", "_potential", "_done")
 
 
 class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
@@ -235,18 +233,6 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         if self._pictures is not None:
             self._pictures.note()
         return simulation.observation.copy(), reward, terminated, truncated, info
-
-    def snapshot(self) -> Snapshot:
-        """The state of all worlds between two steps, as in the single form."""
-        from jawenv.envs.snapshots import take_snapshot
-
-        return take_snapshot(self, _STATE)
-
-    def restore(self, snapshot: Snapshot) -> None:
-        """Go back to a snapshot of this environment, or of another one that was made alike; any number of times."""
-        from jawenv.envs.snapshots import restore_snapshot
-
-        restore_snapshot(self, snapshot)
 
     def _restart(self, final_info: dict[str, Any]) -> dict[str, Any]:
         """Reset the worlds that are done; keep their last observation and info."""

@@ -15,7 +15,7 @@ from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.building import build_jaw
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.mechanics.opening import opening_of
 
 STEP_MM = 0.5
 WIDEST_MM = 60.0
@@ -88,16 +88,3 @@ def _curve(jaw: Any, lines: MuscleSet, row: NDArray[np.float64], most: float, re
         openings.append(1e3 * opening_of(jaw, pose))
         forces.append(force)
     return openings, np.maximum.accumulate(forces)
-
-
-def opening_of(jaw: Any, pose: NDArray[np.float64]) -> float:
-    """Distance of the mouthpiece below its place in the closed jaw (m), at a pose (5,)."""
-    place = np.array(contact_point(jaw, tuple(pose))) + np.array(rotation(tuple(pose))) @ jaw["mouthpiece"]
-    return float(jaw["mouthpiece"][2] - place[2])
-
-
-def muscle_lengths(jaw: Any, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Lengths (lines,) of the muscle lines, m, at a pose (5,)."""
-    insertions = np.array(contact_point(jaw, tuple(pose))) + jaw["insertion"] @ np.array(rotation(tuple(pose))).T
-    lengths: NDArray[np.float64] = np.linalg.norm(jaw["origin"] - insertions, axis=-1)
-    return lengths

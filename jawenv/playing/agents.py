@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError, shown
-
-if TYPE_CHECKING:
-    from gymnasium.vector import VectorEnv
 
 Array = NDArray[np.float64]
 Observation = NDArray[np.float32]
@@ -91,28 +88,12 @@ def checked_decision(answer: Any, agent: Any) -> tuple[Any, Any]:
     return answer[0], answer[1]
 
 
-@runtime_checkable
-class Planning(Protocol):
-    """The protocol, beside ``Agent``, of an agent that needs more than observations, such as a planner.
-
-    ``jawenv.play`` calls ``attach`` where an agent has it, after ``Agent.reset`` and before the first ``predict``.
-    """
-
-    def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
-        """Get to know the worlds that are to be played.
-
-        Args:
-            env: a vector environment of jawenv after its ``reset``. The agent reads its simulation, and changes nothing
-                of it.
-        """
-        ...
-
-
 def introduce(agent: Any, env: Any) -> None:
     """Tell an agent of worlds what it asks for: their configuration, or after their ``reset`` all that a planner needs.
 
     Args:
-        agent: with a method ``take_world(configuration)``, with that of ``Planning``, or with neither.
+        agent: with a method ``take_world(configuration)``, with ``attach(env)``, which a planner has, or with neither.
+            It reads the simulation of ``env``, a vector environment after its ``reset``, and changes nothing of it.
         env: an environment of jawenv, of one form or the other.
     """
     configuration = getattr(env.unwrapped, "configuration", None)

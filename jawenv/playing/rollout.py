@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from jawenv.base.errors import InputError, shown
 from jawenv.base.numeric_fields import whole_number
-from jawenv.controls import DEFAULT_CONTROL, control_of
+from jawenv.controls import control_of
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
 from jawenv.playing.agents import Action, checked_decision, introduce, own_seed
 from jawenv.playing.recording import Array, Mask, Recording
@@ -64,7 +64,7 @@ def play(
     Args:
         agent: anything with stable-baselines3's `predict(observation, state, episode_start, deterministic)`;
             `reset(num_envs, seed)` is called first where the agent has one, and then `attach(env)`
-            (`jawenv.playing.agents.Planning`).
+            (`jawenv.playing.agents.introduce`).
         patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
             patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
         seed: of patients and noise; of the first world, 0 to 2**32 - 1, or one for each, 0 to 2**63 - 1.
@@ -244,48 +244,3 @@ def _write_step(values: dict[str, Array], step: int, info: dict[str, Any], has_b
         if step > 0:
             ended = 0.0 if key in _ZERO_AFTER_THE_END else values[key][~has_belief, step - 1]
             values[key][~has_belief, step] = ended
-
-
-def information_bound(env_or_jaw: Any, maneuver: Any, patient: Patient, *, seed: int = 0) -> Array:
-    """Lowest standard deviations that any unbiased estimator could reach while a maneuver is played.
-
-    The posterior Cramer-Rao bound (Tichavsky, Muravchik & Nehorai 1998, IEEE Trans. Signal Process. 46:1386),
-    which for Gaussian noise is the filter's own covariance recursion along the true trajectory. The maneuver
-    is played once, closed loop, with the noise of `seed`.
-
-    Args:
-        env_or_jaw: the id of a jawenv environment, its keyword arguments as a mapping, or an environment made
-            by `gymnasium.make` or `make_vec`, of which the settings are taken and which is left untouched.
-        maneuver: an agent (see `play`).
-        patient: whom to play it on.
-        seed: of the noise.
-
-    Returns:
-        (T+1, P) standard deviation of every log-parameter over time; row k is at k / control_hz seconds.
-
-    Raises:
-        InputError: `env_or_jaw` is none of the three, the environment refuses its arguments, or its control is not the
-            maneuver's.
-    """
-    env_id, kwargs = _settings_of(env_or_jaw)
-    kwargs["track_bound"] = True
-    recording = play(maneuver, patients=[patient], seed=seed, env_kwargs=kwargs, env_id=env_id)
-    bound: Array = recording.bound_sd[0]
-    return bound
-
-
-def _settings_of(env: Any) -> tuple[str, dict[str, Any]]:
-    """The id and arguments that make a fresh environment like `env`."""
-    if isinstance(env, str):
-        return env, {}
-    if isinstance(env, Mapping):
-        return DEFAULT_ENV, dict(env)
-    spec = getattr(env, "spec", None)
-    if spec is None:
-        raise InputError(
-            f"env_or_jaw is a {type(env).__name__}; allowed: an environment id, its keyword arguments "
-            "or an environment made by gymnasium.make"
-        )
-    not_settings = {"num_envs", "autoreset_mode", "render_mode", "vectorization_mode"}
-    kwargs = {key: value for key, value in spec.kwargs.items() if key not in not_settings}
-    return spec.id, {"control": DEFAULT_CONTROL, **kwargs}

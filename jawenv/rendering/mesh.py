@@ -106,15 +106,15 @@ def ribbon(inner: Array, outer: Array, thickness: Array, around: int) -> Mesh:
     return loft(middle[:, None] + along[:, None] * half[:, None] + side[:, None] * across[:, None])
 
 
-def ellipsoid(centre: Array, radii: Array, rings: int = 9, around: int = 16) -> Mesh:
+def ellipsoid(centre: Array, radii: Array) -> Mesh:
     """Ellipsoid whose poles lie on the y axis."""
-    polar = np.linspace(0.12, np.pi - 0.12, rings)
-    angle = 2 * np.pi * np.arange(around) / around
+    polar = np.linspace(0.12, np.pi - 0.12, 9)[:, None]
+    angle = 2 * np.pi * np.arange(16) / 16
     unit = np.stack(
         [
-            np.sin(polar)[:, None] * np.cos(angle),
-            np.repeat(np.cos(polar)[:, None], around, axis=1),
-            np.sin(polar)[:, None] * np.sin(angle),
+            np.sin(polar) * np.cos(angle),
+            np.repeat(np.cos(polar), len(angle), axis=1),
+            np.sin(polar) * np.sin(angle),
         ],
         axis=-1,
     )

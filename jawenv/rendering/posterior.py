@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from jawenv.rendering import palette
-from jawenv.rendering.canvas import Box, Canvas
 from jawenv.rendering.muscles import split_name, symbol
 from jawenv.rendering.palette import FAINT_INK, GRID, INK, SOFT_INK, TRACK
 from jawenv.rendering.scene import Scene
+
+if TYPE_CHECKING:
+    from jawenv.rendering.canvas import Box, Canvas
 
 SHOWN_SD = 3.0  # prior standard deviations to either side
 BEST_SD = 0.01

@@ -81,7 +81,7 @@ def test_a_class_in_the_current_folder_is_given_the_settings_that_it_takes() -> 
 
 
 def test_an_installed_class_is_found() -> None:
-    assert agents.load_agent("jawenv.playing.excitation:RandomHarmonics").name == "harmonics"
+    assert agents.load_agent("agents.clairvoyant:Clairvoyant").name == "clairvoyant"
 
 
 def test_files_in_the_current_folder_do_not_stand_in_for_installed_ones(tmp_path: Path) -> None:

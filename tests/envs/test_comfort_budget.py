@@ -12,7 +12,7 @@ from jawenv.device.channels import CHANNELS
 from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS
 from jawenv.device.guard import DRIVERS, RELEASE, TRACKER, keep_budget
 from jawenv.envs.observation import Parts
-from jawenv.playing.excitation import EXCITATIONS
+from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import Player
 
 ID, BUDGET_S = "jawenv/Jaw-v3", 1.0 / 30.0
@@ -81,7 +81,7 @@ def test_a_stiff_jaw_is_let_go_within_a_budget():
 @pytest.mark.parametrize("agent", ["refined", "random"])
 @pytest.mark.parametrize("cohort", ["healthy", "one_sided"])
 def test_a_budget_is_kept_for_most_patients(agent, cohort):
-    player = EXCITATIONS[agent](5.0) if agent in EXCITATIONS else Player(agent)
+    player = BASELINES[agent](5.0) if agent in BASELINES else Player(agent)
     free, kept = (discomfort_of(player, cohort, 16, comfort_budget_s=budget) for budget in (None, BUDGET_S))
     assert free.mean() > BUDGET_S
     assert kept.mean() < 0.5 * free.mean() and np.mean(kept > BUDGET_S) <= 0.07

@@ -87,9 +87,9 @@ def test_the_observation_shows_the_targets_that_are_followed():
 
 def test_random_targets_hurt_nobody():
     """Sixteen patients, 30 s of uniform random targets: no hard limit, no governor to speak of, an honest belief."""
-    from jawenv.playing.excitation import EXCITATIONS
+    from jawenv.playing.excitation import BASELINES
 
-    played = jawenv.play(EXCITATIONS["random"](5.0), patients=16, seed=5000, env_kwargs={"control": "targets"})
+    played = jawenv.play(BASELINES["random"](5.0), patients=16, seed=5000, env_kwargs={"control": "targets"})
     assert not played.terminated.any()
     assert np.nanmean(played.governor) < 0.02
     shares = nees(played.belief_mean[:, -1] - played.truth, played.belief_cov[:, -1]) / 12.0

@@ -7,7 +7,7 @@ import pytest
 import jawenv
 from jawenv.envs.pictures import picture_size
 from jawenv.envs.shown_world import build_scene, moment_of
-from jawenv.rendering import Renderer
+from jawenv.rendering.renderer import Renderer
 
 ID = "jawenv/Jaw-v3"
 SHORT = {"control": "targets", "episode_s": 0.6}

@@ -3,11 +3,11 @@
 import gymnasium as gym
 import numpy as np
 import pytest
+from hostile_actions import EXCITATIONS
 
 import jawenv
 from agents import load_agent
 from jawenv.metrics.calibration import covered, nees, nees_band
-from jawenv.playing.excitation import EXCITATIONS
 from jawenv.playing.rollout import play
 
 ID = "jawenv/Jaw-v3"
@@ -74,7 +74,7 @@ MOVING = ("opening_with_swings_and_fore_aft", "opening_with_swings", "multisine"
 
 
 def agent_named(name, control):
-    return EXCITATIONS[name](20.0) if name in EXCITATIONS else load_agent(name, control=control)
+    return EXCITATIONS[name] if name in EXCITATIONS else load_agent(name, control=control)
 
 
 @pytest.mark.parametrize(

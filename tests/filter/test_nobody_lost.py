@@ -6,11 +6,12 @@ Other patients are lost under motors that are held at full commands (docs/calibr
 import gymnasium as gym
 import numpy as np
 import pytest
+from hostile_actions import EXCITATIONS
 
 import jawenv
 from jawenv.filter.updates.measurement_update import GATE
 from jawenv.metrics.calibration import nees
-from jawenv.playing.excitation import ACTION_SIZE, EXCITATIONS
+from jawenv.playing.excitation import ACTION_SIZE
 from jawenv.playing.maneuvers import Player
 from jawenv.recordings.online import OnlineFilter
 
@@ -25,7 +26,7 @@ class Everybody:
     """All excitations and the corners at once, each for its own worlds."""
 
     def __init__(self, seed):
-        self.parts = [make(20.0) for make in EXCITATIONS.values()]
+        self.parts = [*EXCITATIONS.values()]
         self.names = [*EXCITATIONS, "corners"]
         for part in self.parts:
             part.reset(EACH, seed=seed)

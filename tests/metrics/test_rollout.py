@@ -8,7 +8,7 @@ import jawenv
 from jawenv.base.errors import InputError
 from jawenv.envs.jaw import JawEnv
 from jawenv.playing.agents import own_seed
-from jawenv.playing.rollout import information_bound, play
+from jawenv.playing.rollout import play
 
 SHORT = {"episode_s": 1.0}
 
@@ -122,19 +122,6 @@ def test_a_filter_that_diverged_ends_its_episode_the_step_before(monkeypatch):
     assert played.terminated.tolist() == [True, False]
     assert played.last.tolist() == [9, 20]
     assert np.isfinite(jawenv.score(played).nees).all()
-
-
-def test_the_bound_is_the_same_however_the_environment_is_named(recording):
-    patient = jawenv.cohort("trismus").draw(np.random.default_rng(0))
-    env = gym.make("jawenv/Jaw-v3", **{"control": "force", **SHORT})
-    by_instance = information_bound(env, OPEN, patient)
-    env.close()
-    by_kwargs = information_bound(SHORT, OPEN, patient)
-    by_id = information_bound("jawenv/Jaw-v3", OPEN, patient)
-    assert by_instance.shape == (21, 12)
-    np.testing.assert_array_equal(by_instance, by_kwargs)
-    np.testing.assert_array_equal(by_instance, by_id[:21])
-    assert (by_instance[-1] < by_instance[0]).all()
 
 
 class Doubled(JawEnv):

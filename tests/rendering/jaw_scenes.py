@@ -6,7 +6,7 @@ import numpy as np
 
 from jawenv.anatomy import default_fossa, default_mandible
 from jawenv.ladder import MODELS
-from jawenv.rendering import Scene
+from jawenv.rendering.scene import Scene
 
 LIMITS = ("force", "opening", "side", "fore_aft", "condyle_fore_aft", "condyle_side", "speed", "tension")
 

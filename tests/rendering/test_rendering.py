@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from jawenv.base.errors import InputError  # noqa: F401  (of the code below)
-from jawenv.rendering import Renderer, Scene, palette
+from jawenv.rendering import palette
+from jawenv.rendering.renderer import Renderer
+from jawenv.rendering.scene import Scene
 from tests.rendering.jaw_scenes import COMFORT, FRONT, LIMITS, POSTERIOR, SIDE, TRACE, coloured, differ, scene
 
 

@@ -7,11 +7,12 @@ import pytest
 import jawenv  # noqa: F401  (registers the environments)
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.ladder import MODELS
-from jawenv.rendering import Renderer, palette
+from jawenv.rendering import palette
 from jawenv.rendering.canvas import Canvas
 from jawenv.rendering.film import JawRenderer
 from jawenv.rendering.frame import CARDS
 from jawenv.rendering.posterior import lay_out
+from jawenv.rendering.renderer import Renderer
 from tests.rendering import jaw_scenes as scenes
 
 models = pytest.mark.parametrize("model", MODELS)

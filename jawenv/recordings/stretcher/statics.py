@@ -19,7 +19,7 @@ from jawenv.mechanics.dynamics import Linear, acceleration_kernel, linear_dtype,
 from jawenv.mechanics.equilibrium import HOLD_STIFFNESS, fill_flow_matrix, settle
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation, turning_axes
-from jawenv.mechanics.passive_opening import opening_of
+from jawenv.mechanics.opening import opening_of
 
 Array = NDArray[np.float64]
 
