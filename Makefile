@@ -7,8 +7,8 @@ DEMO := runs/demo
 QUICK := $(addprefix tests/,anatomy base device mechanics/test_equations_of_motion.py metrics reality test_refusals.py \
 	project/test_imports.py project/test_ownable.py project/test_dependencies.py envs/test_rewards_and_ends.py)
 STUDIES := headline calibration long clinic imaged agents cohorts robustness force_sensors sensors rates ladder
-DEMO_TRAIN := train apg --steps 96000 --target-discomfort 0.08 --output $(DEMO)/apg --continue
-DEMO_COMPARE := compare $(DEMO)/apg random --all-maneuvers --with-replay --cohort one_sided --episode-s 10 --seed 500 --output $(DEMO)
+DEMO_TRAIN := train apg --steps 96000 --residual-on universal --comfort-budget-s 0.0333 --output $(DEMO)/apg --continue
+DEMO_COMPARE := compare $(DEMO)/apg random --all-maneuvers --with-replay --cohort one_sided --episode-s 10 --comfort-budget-s 0.0333 --seed 500 --output $(DEMO)
 
 SMALL := $(if $(FULL),,$(addprefix JAWENV_NOTEBOOK_,PATIENTS=4 EPISODE_S=5 QUICK=1))
 export PYTHON

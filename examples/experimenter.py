@@ -108,7 +108,7 @@ def main() -> None:
     parser.add_argument("--marks", action="store_true", help="print what others score, and end")
     given = parser.parse_args()
     experiment = Experiment(given.seed, given.cohort, given.seconds, not given.no_filter)
-    for name in ("slow_opening", "refined") if given.marks else ():
+    for name in ("slow_opening", "universal") if given.marks else ():
         played = jawenv.play(jawenv.Player(name), patients=1, seed=given.seed, env_kwargs=experiment.world)
         told = experiment.told(played.belief_mean[0, -1], played.belief_sd[0, -1])
         print(f"{name}, the filter's answer: {experiment.answer(told)['nats']} nats; the prior's is 0")

@@ -3,7 +3,7 @@
     python -m research.kept_budget --patients 200 > docs/tables/kept_budget.md
 
 Ten seconds in targets control, patients of reports. The log of the worst error bar, and of the root mean square error,
-stands beside `refined_one_sided` without a budget on the same patients; *loss* beside the entry itself without one.
+stands beside the movement `universal` with the same budget on the same patients; *loss* beside the entry without one.
 Ctrl-C keeps what is finished.
 """
 
@@ -31,7 +31,7 @@ from jawenv.playing.policies.named import agent_names
 from research._beliefs import head, row
 
 _SECONDS, _BUDGET_S, _TOGETHER = 10.0, 1.0 / 30.0, 50
-_BESIDE, _FREE, _KEPT = "refined_one_sided", "free", "kept"
+_BESIDE, _FREE, _KEPT = "universal", "free", "kept"
 _HEADINGS = (
     "entry",
     "log worst beside",
@@ -61,7 +61,7 @@ def _of_entry(rows: pd.DataFrame, entry: str) -> list[str]:
     """Cells of an entry, of the rows of one cohort."""
     beside, free, kept = (
         rows[(rows["budget"] == budget) & (rows["entry"] == name)].reset_index(drop=True)
-        for budget, name in ((_FREE, _BESIDE), (_FREE, entry), (_KEPT, entry))
+        for budget, name in ((_KEPT, _BESIDE), (_FREE, entry), (_KEPT, entry))
     )
     above = [f"{100.0 * np.mean(each['discomfort_s'] > _BUDGET_S):.0f}" for each in (free, kept)]
     sure, verdicts = (np.minimum(kept[name], _SECONDS) for name in ("time_to_0.05_s", "verdicts_s"))
@@ -69,7 +69,7 @@ def _of_entry(rows: pd.DataFrame, entry: str) -> list[str]:
     return [
         f"`{entry}`",
         words.with_interval(statistics.mean(np.asarray(np.log(kept["worst_sd"] / beside["worst_sd"]))), 3),
-        f"{np.log(kept['rmse'] / beside['rmse']).mean():+.2f}",
+        words.with_interval(statistics.mean(np.asarray(np.log(kept["rmse"] / beside["rmse"]))), 2),
         f"{np.log(kept['worst_sd'] / free['worst_sd']).mean():+.3f}",
         " → ".join(above),
         f"{sure.mean():.2f}",

@@ -27,7 +27,9 @@ p > label { color: var(--live-soft); }
 .mantine-Button-root:not([data-variant=outline]) { background: var(--live-accent) !important; }
 .mantine-Button-root:not([data-variant=outline]) .mantine-Button-label { color: var(--live-card); }
 .mantine-Notification-description { display: none; }  /* a hint of viser's, which would cover the jaw */
-.mantine-Notification-root { padding: 2px 12px; }
+.mantine-Notifications-root { top: 22px !important; }  /* below the notice */
+.mantine-Notification-root { padding: 0 4px 0 16px; width: max-content; min-height: 0; box-shadow: none; }
+.mantine-Notification-title { font-size: 11px; margin: 0; }
 #strip { display: none; }
 @media (max-width: 36em) { #strip { display: flex; } }
 @media (max-width: 62em) { #posterior th, #score th { white-space: normal !important; } }

@@ -16,7 +16,7 @@ from jawenv.playing.policies.card import SHIPPED
 from jawenv.playing.policies.plain import load_plain
 from jawenv.playing.rollout import play
 
-RIVALS = ("refined", "slow_opening")
+RIVALS = ("universal", "slow_opening")
 LEARNED = ("apg_anyone", "ppo_trismus")
 """Policies of targets control that come with jawenv and play against the hand."""
 KNOWN = (0.10, 0.05)

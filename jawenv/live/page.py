@@ -28,7 +28,7 @@ _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
 _NOBODY = "nobody"
 _BUTTONS = ("Pause", "Step", "Again", "Next", "Save")
-_BEGIN = "With the first key or slider the time begins. The aim is to make every muscle blue."
+_BEGIN = "The time begins with the first key or slider. The aim: every muscle blue, within 5 %, soon and in comfort."
 _AGAIN = "Again: the same patient once more. Next: another one."
 
 

@@ -62,10 +62,10 @@ def legend_html(scene: Scene, by_stiffness: bool = False) -> str:
         colours = [palette.stiffness(palette.STIFFEST ** (i / 3 - 1)) for i in range(7)]
         title = f"<b>Colour of a muscle</b> believed F<sub>o</sub>, stiff above {limit:g} N"
     else:
-        ends = f"{100 * palette.UNKNOWN_SD:.0f} %", f"{100 * _BEST_SD:.0f} %"
+        ends = f"unknown: {100 * palette.UNKNOWN_SD:.0f} %", f"known: {100 * _BEST_SD:.0f} %"
         shares = [i / 6 for i in range(7)]
         colours = [palette.knowledge(palette.UNKNOWN_SD ** (1 - share) * _BEST_SD**share) for share in shares]
-        title = "<b>Colour of a muscle</b> sd of its parameters"
+        title = "<b>Colour of a muscle</b> its error bars: red is not known yet, not stiff"
     ramp = ",".join(_css(colour) for colour in colours)
     scale = (
         f"<div style='display:flex;gap:8px;align-items:center'><span>{ends[0]}</span>"
@@ -111,14 +111,10 @@ def status_html(shown: Shown, remark: str = "") -> str:
         discomfort = f"<span style='color:var(--live-remark)'>{discomfort}</span>"
     figures = (
         ("time", f"{scene.time_s:.1f} s", f"of {scene.episode_s:g} s"),
-        (
-            _hint("worst sd", _WORST),
-            f"<span data-worst='{worst}'>{worst} %</span>",
-            f"driven by {escape(shown.driver)}",
-        ),
+        (_hint("worst sd", _WORST), f"<span data-worst={worst}>{worst} %</span>", f"driven by {escape(shown.driver)}"),
         ("all within 10 %", _seconds(outcome.time_to_s[0]), _verdicts(shown)),
         ("all within 5 %", _seconds(outcome.time_to_s[1]), ""),
-        ("discomfort", discomfort, below),
+        (_hint("discomfort", _DISCOMFORT), discomfort, below),
         ("opening", f"{scene.opening_mm:.1f} mm", ""),
     )
     cells = "".join(
@@ -179,6 +175,7 @@ _ALARMS = {
     "rings": "The readings do not fit the model.",
 }
 _WORST = "standard deviation of the natural log of the least known parameter: 5 % is 0.05"
+_DISCOMFORT = "0.5 s: half a second at a hard limit, or a second halfway to it; nobody has measured the pain"
 _POSTERIOR_HEADS = (
     ("F<sub>o</sub>, N", "pull of the muscle in the closed jaw"),
     ("sd", "standard deviation of its natural log"),
@@ -189,7 +186,7 @@ _SCORE_HEADS = (
     ("10 %", "time until every parameter is within 10 %"),
     ("5 %", "time until every parameter is within 5 %"),
     ("worst", f"{_WORST}, at the end"),
-    ("discomfort", "how far comfort limits were exceeded, times how long"),
+    ("discomfort", _DISCOMFORT),
 )
 _NAME = "text-align:left;font-weight:400;white-space:nowrap;padding:1px 6px 1px 0"
 _FIGURE = "text-align:right;white-space:nowrap;padding-left:4px"

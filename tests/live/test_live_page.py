@@ -107,8 +107,8 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path, server)
 
 
 def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_path, server):
-    page = Page(server, Setup.of(seed=500, episode_s=4.0), tmp_path, driver="refined")
-    assert page._driver.value == "refined"
+    page = Page(server, Setup.of(seed=500, episode_s=4.0), tmp_path, driver="universal")
+    assert page._driver.value == "universal"
     page._pause()
     with running(page), looking_at(server, 900, "dark", height=1800) as tab:
         tab.get_by_text("Step", exact=True).click()
@@ -119,7 +119,7 @@ def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_pa
         wait_until(lambda: page.session.driver == BY_HAND)
         tab.wait_for_selector("#score", timeout=60_000)
         words = tab.inner_text("#score")
-        assert "refined" in words and "slow opening" in words and "you and refined" in words
+        assert "universal" in words and "slow opening" in words and "you and universal" in words
         assert tab.complaints == []
         found = Axe().run(tab).response["violations"]
         assert [rule["id"] for rule in found if rule["impact"] in ("serious", "critical")] == []
@@ -152,7 +152,7 @@ def test_what_the_discomfort_was_spent_on_stays_to_be_read(tmp_path, server):
 
 def test_a_recording_plays_in_the_same_view(tmp_path):
     with serving(0) as server:
-        page = Page(server, Setup.of(seed=500, episode_s=1.0), tmp_path, driver="refined")
+        page = Page(server, Setup.of(seed=500, episode_s=1.0), tmp_path, driver="universal")
         while not page.session.ended:
             page.step()
     playback = Playback(load_record(tmp_path / "my_drive_1.csv"), "my_drive_1")
@@ -179,7 +179,7 @@ def test_another_patient_and_a_refused_choice(tmp_path, server):
 
 
 def test_a_budget_is_chosen_and_kept_and_refused_where_no_targets_are_followed(tmp_path, server):
-    page = Page(server, Setup.of(seed=500, cohort="healthy", episode_s=6.0), tmp_path, driver="refined")
+    page = Page(server, Setup.of(seed=500, cohort="healthy", episode_s=6.0), tmp_path, driver="universal")
     assert page.session.setup.world.comfort_budget_s is None
     spent = []
     for budget_s in (0.0, 0.02):
@@ -222,7 +222,7 @@ def test_a_folder_that_cannot_be_written_is_said_on_the_page(tmp_path):
         page = Page(server, Setup.of(seed=500, episode_s=1.0), tmp_path / "file")
         while not page.session.ended:
             page.step()
-        assert "cannot be made" in page._view._status.content and "refined" in page._score.content
+        assert "cannot be made" in page._view._status.content and "universal" in page._score.content
 
 
 def test_a_port_that_is_taken_is_one_line():

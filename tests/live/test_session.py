@@ -65,14 +65,14 @@ def test_a_maneuver_that_drives_is_the_maneuver_and_can_be_taken_over():
 
 def test_a_session_that_a_maneuver_drives_reaches_what_the_rival_reaches():
     session = DriveSession(SHORT)
-    session.hand_over("refined")
+    session.hand_over("universal")
     while not session.ended:
         shown = session.drive()
-    refined, slow = outcomes_of_rivals(SHORT)
-    assert shown.outcome.time_to_s == refined.time_to_s
-    assert shown.outcome.worst_sd == pytest.approx(refined.worst_sd, rel=1e-9)
-    assert shown.outcome.discomfort_s == pytest.approx(refined.discomfort_s, abs=1e-9)
-    assert slow.name == "slow_opening" and slow.worst_sd > refined.worst_sd
+    universal, slow = outcomes_of_rivals(SHORT)
+    assert shown.outcome.time_to_s == universal.time_to_s
+    assert shown.outcome.worst_sd == pytest.approx(universal.worst_sd, rel=1e-9)
+    assert shown.outcome.discomfort_s == pytest.approx(universal.discomfort_s, abs=1e-9)
+    assert slow.name == "slow_opening" and slow.worst_sd > universal.worst_sd
 
 
 def test_an_agent_that_decides_five_times_a_second_drives_as_in_its_own_environment():
@@ -100,7 +100,7 @@ def test_an_agent_is_taken_over_given_back_and_refused_where_it_cannot_drive():
     with pytest.raises(InputError):
         DriveSession(Setup.of(seed=500, control="force"), agents).hand_over("own")
     assert [one.name for one in outcomes_of_rivals(Setup.of(seed=500, episode_s=1.0, control="force"), agents)] == [
-        "refined",
+        "universal",
         "slow_opening",
     ]
 

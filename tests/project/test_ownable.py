@@ -15,11 +15,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_902,
+    "lines that README's commands load": 34_901,
     "lines of everything else": 13_261,
     "lines that a step loads": 12_652,
     "lines that eval compare loads": 21_652,
-    "lines": 48_163,
+    "lines": 48_162,
     "files": 440,
     "functions": 2_784,
 }
