@@ -116,10 +116,7 @@ class Twin:
         self.cost_sd[SPEED] *= self.shaking / self.speed
         self.hard, self.guard = torch.tensor(comfort["hard"]), torch.tensor(_GUARD, dtype=torch.float64)
         self.budget = float(settings["control"]["budget"])
-        self.drives = torch.tensor(
-            [[float(channel in DRIVERS[limit]) for channel in CHANNELS] for limit in COMFORT_LIMITS]
-        )
-        self.drives = self.drives.double()
+        self.drives = torch.tensor(_DRIVES, dtype=torch.float64)
         self.lets_go = self.drives.clone()  # the same where motors let go, which they do not for speed
         self.lets_go[SPEED] = 0.0
         self.look_ahead_s = torch.tensor(list(LOOK_AHEAD_S.values()), dtype=torch.float64)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -120,7 +120,7 @@ def compare(
         # All patients of an entry together: threads share them out, and a yoked replay knows its patient by the place.
         seeds, outcomes = settings.seeds, Outcomes()
         cells = [
-            Cell({"entry": entry.label}, partial(_itself, entry), seeds, outcomes, len(seeds)) for entry in entries
+            Cell({"entry": entry.label}, partial(replace, entry), seeds, outcomes, len(seeds)) for entry in entries
         ]
         rows = play_cells(cells, Path(folder), Run(fresh, 1, console=console))
         metadata = made_with(command, settings=settings.to_mapping(), entries=[entry.about() for entry in entries])
@@ -128,10 +128,6 @@ def compare(
         if output is not None:
             save(study, output)
     return study
-
-
-def _itself(entry: Entry) -> Entry:
-    return entry
 
 
 def save(results: Results, folder: Path) -> None:

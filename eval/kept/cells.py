@@ -19,7 +19,7 @@ import pandas as pd
 
 from eval.kept.digest import digest, fingerprint
 from eval.kept.entries import Entry
-from eval.kept.parts import Part, Run, finish, folder_for, parts_of
+from eval.kept.parts import Part, Run, finish, folder_for
 from eval.kept.tables import read_table, write_table
 from jawenv.base.progress import Progress
 
@@ -57,7 +57,7 @@ class Cell:
     load: Callable[[], Entry] | None  # makes the entry; a function that processes can be sent
     seeds: range  # of the patients
     rows: Rows  # columns of a patient's row
-    size: int  # patients that are played together
+    size: int  # patients that are played together: few enough to lose little when interrupted, enough to be quick
 
     @property
     def name(self) -> str:
@@ -69,12 +69,17 @@ class Cell:
         decided_by: dict[str, object] = {"rows": asdict(self.rows)}
         made_by = (sys.modules[type(self.rows).__module__], *self.rows.made_by)
         if self.load is None:
-            digests = {self.name: digest(decided_by, made_by=made_by)}
+            label, named = self.name, digest(decided_by, made_by=made_by)
         else:
             entry = self.load()
             decided_by["cohort"] = entry.world.build_cohort().to_dict()
-            digests = {entry.label: fingerprint(entry, decided_by, *made_by)}
-        return parts_of(self.name, self.seeds, self.size, folder, digests)
+            label, named = entry.label, fingerprint(entry, decided_by, *made_by)
+        parts = []
+        for first in self.seeds[:: self.size]:
+            number = min(self.size, self.seeds.stop - first)
+            path = folder / f"{label.replace('/', '_')}-{first:05d}-{number}-{named}.parquet"
+            parts.append(Part(self.name, first, number, path))
+        return parts
 
 
 def play_cells(cells: Sequence[Cell], output: Path, run: Run | None = None, unit: str = "episodes") -> pd.DataFrame:
@@ -97,22 +102,19 @@ def play_each(
     cells: Sequence[Cell], output: Path, run: Run | None = None, unit: str = "episodes"
 ) -> list[pd.DataFrame]:
     """The rows of each cell, without its levels; see `play_cells`."""
-    folder = folder_for(output, FOLDER)
-    parts = [cell.parts(folder) for cell in cells]
-    by_name = {cell.name: cell for cell in cells}
-    needed = {path: cell.rows.columns for cell, own in zip(cells, parts, strict=True) for path in _paths(own)}
+    folder, by_name = folder_for(output, FOLDER), {cell.name: cell for cell in cells}
+    parts = [part for cell in cells for part in cell.parts(folder)]
     tables = finish(
-        [part for own in parts for part in own],
+        parts,
         partial(_play_part, cells=by_name),
-        lambda path: read_table(path, needed[path])[0],
+        lambda part: read_table(part.path, by_name[part.key].rows.columns)[0],
         unit,
         run,
     )
-    return [pd.concat([tables[path] for path in _paths(own)], ignore_index=True) for own in parts]
-
-
-def _paths(parts: Sequence[Part]) -> list[Path]:
-    return [path for part in parts for _, path in part.files]
+    of_cells: dict[str, list[pd.DataFrame]] = {name: [] for name in by_name}
+    for part, table in zip(parts, tables, strict=True):
+        of_cells[part.key].append(table)
+    return [pd.concat(of_cells[cell.name], ignore_index=True) for cell in cells]
 
 
 def _play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> None:
@@ -132,8 +134,7 @@ def _play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> Non
         part.first,
         lambda step, steps: progress.advance_to(before + part.number * step / steps, name),
     )
-    for _, path in part.files:
-        write_table(rows, path, {"cell": part.key})
+    write_table(rows, part.path, {"cell": part.key})
 
 
 def _placed(rows: pd.DataFrame, cell: Cell) -> pd.DataFrame:

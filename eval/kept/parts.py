@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -25,15 +25,12 @@ Content = TypeVar("Content")
 
 @dataclass(frozen=True)
 class Part:
-    """Some items of a piece of work, and the files of their results."""
+    """Some items of a piece of work, and the file of their results."""
 
     key: str  # name of the piece of work
     first: int  # number of the first item
     number: int  # of items
-    files: tuple[tuple[str, Path], ...]
-    """Files of each kind of result, by its name; one may be made without the others. Their names change with everything
-    that could change their content.
-    """
+    path: Path  # of the file, whose name changes with everything that could change its content
 
 
 @dataclass(frozen=True)
@@ -43,25 +40,6 @@ class Run:
     fresh: bool = False  # do kept parts again
     workers: int | None = None  # processes; all cores by default. 1 works in this process
     console: Console | None = None  # where progress is shown; nowhere by default
-
-
-def parts_of(key: str, items: range, size: int, folder: Path, digests: Mapping[str, str]) -> list[Part]:
-    """The parts of some items, each kept as a table.
-
-    Args:
-        key: name of the piece of work.
-        items: their numbers, which follow each other.
-        size: how many a part has: few enough to lose little when interrupted, enough to be quick together.
-        folder: of the files.
-        digests: kind of result -> digest of all that decides it, but for the items' numbers.
-    """
-    parts = []
-    for first in items[::size]:
-        number = min(size, items.stop - first)
-        names = {kind: f"{kind}-{first:05d}-{number}-{digest}.parquet" for kind, digest in digests.items()}
-        files = tuple((kind, folder / name.replace("/", "_")) for kind, name in names.items())
-        parts.append(Part(key, first, number, files))
-    return parts
 
 
 def folder_for(output: Path, name: str) -> Path:
@@ -77,19 +55,19 @@ def folder_for(output: Path, name: str) -> Path:
 def finish(
     parts: Sequence[Part],
     work: Callable[[Part, Progress], None],
-    read: Callable[[Path], Content],
+    read: Callable[[Part], Content],
     unit: str,
     run: Run | None = None,
-) -> dict[Path, Content]:
-    """Read the kept files of every part, do the missing parts, and read theirs.
+) -> list[Content]:
+    """Read the kept file of every part, do the missing parts, and read theirs.
 
     An interrupt ends the processes at once: a file is on disk or not, and the next run makes the missing ones.
 
     Args:
         parts: all of the work.
-        work: writes all files of a part, each whole or not at all; a function that processes can be sent. The
-            progress counts items, and is shown where one process works.
-        read: from a file to its content. Damage is found before anything is done.
+        work: writes the file of a part, whole or not at all; a function that processes can be sent. The progress
+            counts items, and is shown where one process works.
+        read: from a part to the content of its file. Damage is found before anything is done.
         unit: name of the items, in the plural.
         run: how it is done.
 
@@ -97,16 +75,12 @@ def finish(
         The content of each file.
     """
     run = run or Run()
-    paths = list(dict.fromkeys(path for part in parts for _, path in part.files))
-    contents = {path: read(path) for path in paths if not run.fresh and path.exists()}
-    missing = [
-        replace(part, files=tuple((kind, path) for kind, path in part.files if path not in contents)) for part in parts
-    ]
-    missing = [part for part in missing if part.files]
-    total, left = _items(parts), _items(missing)
+    kept = {part.path: read(part) for part in parts if not run.fresh and part.path.exists()}
+    missing = [part for part in parts if part.path not in kept]
+    total, left = (sum(part.number for part in some) for some in (parts, missing))
     progress = Progress(total, unit, run.console or Console(quiet=True))
     with ExitStack() as locks, warnings.catch_warnings(), progress:
-        for folder in sorted({path.parent for part in missing for _, path in part.files}):
+        for folder in sorted({part.path.parent for part in missing}):
             locks.enter_context(alone(folder))
         progress.say(f"making {total} {unit}")
         if left < total:
@@ -115,7 +89,7 @@ def finish(
         # A process that has compiled or loaded kernels is taken for one that leaks, and replaced: nothing is lost.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         _do(missing, work, run, progress)
-    return {path: contents[path] if path in contents else read(path) for path in paths}
+    return [kept[part.path] if part.path in kept else read(part) for part in parts]
 
 
 def _do(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run, progress: Progress) -> None:
@@ -123,10 +97,10 @@ def _do(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run,
     parallel = _parallel(run, max(len(parts), 1))
     if parallel.n_jobs > 1:
         for part in parallel(delayed(_worked)(work, part) for part in parts):
-            progress.advance_to(progress.done + _items([part]), part.key)
+            progress.advance_to(progress.done + part.number, part.key)
         return
     for part in parts:
-        after = progress.done + _items([part])
+        after = progress.done + part.number
         work(part, progress)
         progress.advance_to(after, part.key)
 
@@ -138,9 +112,5 @@ def _parallel(run: Run, most: int) -> Parallel:
 
 
 def _worked(work: Callable[[Part, Progress], None], part: Part) -> Part:
-    work(part, Progress(_items([part]), "items", Console(quiet=True)))
+    work(part, Progress(part.number, "items", Console(quiet=True)))
     return part
-
-
-def _items(parts: Sequence[Part]) -> int:
-    return sum(part.number * len(part.files) for part in parts)

@@ -13,6 +13,8 @@ from eval.figures.statistics import Interval
 
 Verdict = Literal["reproduced", "partly", "not reproduced"]
 NO_NUMBER = "The thesis gives no number."
+Draw = Callable[[Sequence[np.random.Generator]], Iterator[pd.DataFrame]]
+"""Rows of each draw, from its own random numbers."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,7 @@ class Item:
     where: str  # figure or section of Young (2016)
     says: str  # statement of the thesis; with its number if it gives one
     how: str  # our setting, where the thesis names none
-    draw: Callable[[Sequence[np.random.Generator]], Iterator[pd.DataFrame]]
-    """Rows of each draw, from its own random numbers."""
+    draw: Draw
     judge: Callable[[pd.DataFrame], Judgement]  # the finding, from the rows of all draws
     same_draws_as: str = ""  # key of the item with the same draws; empty for draws of its own
 
@@ -48,8 +49,6 @@ class Item:
         return self.same_draws_as or self.key
 
 
-def one_by_one(
-    draw: Callable[[np.random.Generator], pd.DataFrame],
-) -> Callable[[Sequence[np.random.Generator]], Iterator[pd.DataFrame]]:
+def one_by_one(draw: Callable[[np.random.Generator], pd.DataFrame]) -> Draw:
     """An item's ``draw`` from a function of a single draw."""
     return lambda rngs: map(draw, rngs)

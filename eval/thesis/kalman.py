@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,7 @@ from agents import load_agent
 from eval.figures import statistics
 from eval.figures.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Item, Judgement, judged
+from eval.thesis.item import NO_NUMBER, Draw, Item, Judgement, judged
 from jawenv.playing.rollout import play
 from jawenv.recordings.record import Record
 from jawenv.references.extended_kalman import ExtendedKalman
@@ -51,15 +51,19 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator]) -> li
     return [record.until(float(end)) for record, end in zip(recording.records or (), ends, strict=True)]
 
 
-def _draw_sides(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
-    """Four parameters, by the filter of the thesis and by ours, over time."""
-    for record in episodes("sides", "one_sided", rngs):
-        yield pd.concat(
-            [
-                rows.of_estimate(f.estimate(record), record, case, TIMES)
-                for case, f in (("linear", THESIS), ("log", OURS))
-            ]
-        )
+def _drawn(*groups: tuple[str, str, Mapping[str, ExtendedKalman]]) -> Draw:
+    """An item's ``draw``: estimates over time of new patients; a group is a model, a cohort and its filters by case."""
+
+    def draw(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
+        played = [episodes(model, cohort, rngs) for model, cohort, _ in groups]
+        for records in zip(*played, strict=True):
+            yield pd.concat(
+                rows.of_estimate(estimator.estimate(record), record, case, TIMES)
+                for record, (_, _, filters) in zip(records, groups, strict=True)
+                for case, estimator in filters.items()
+            )
+
+    return draw
 
 
 def _inside(table: pd.DataFrame, sigmas: float) -> pd.Series:
@@ -84,19 +88,6 @@ def judge_sides(table: pd.DataFrame) -> Judgement:
     return judged(good["linear"], good["log"] or known["linear"], figures)
 
 
-def _draw_full(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
-    """Twelve parameters and, for the speed, four, over time."""
-    jaws, sides = episodes("jaw", "trismus", rngs), episodes("sides", "trismus", rngs)
-    for jaw, side in zip(jaws, sides, strict=True):
-        yield pd.concat(
-            [
-                rows.of_estimate(THESIS.estimate(jaw), jaw, "linear", TIMES),
-                rows.of_estimate(OURS.estimate(jaw), jaw, "log", TIMES),
-                rows.of_estimate(OURS.estimate(side), side, "two sides", TIMES),
-            ]
-        )
-
-
 def _time_to_known(table: pd.DataFrame, case: str) -> np.ndarray:
     """Seconds in each draw until the median parameter's sd is 10 %; infinite where it is never."""
     rows_of_case = rows.of_case(table, case)
@@ -118,12 +109,6 @@ def judge_full(table: pd.DataFrame) -> Judgement:
         "half of the four within 10 % after, s": fast,
     }
     return judged(tracked and slower, tracked or slower, figures)
-
-
-def _draw_noise(rngs: Sequence[np.random.Generator]) -> Iterator[pd.DataFrame]:
-    """Twelve parameters with and without noise on them."""
-    for record in episodes("jaw", "trismus", rngs):
-        yield pd.concat([rows.of_estimate(f.estimate(record), record, case, TIMES) for case, f in NOISES.items()])
 
 
 def judge_noise(table: pd.DataFrame) -> Judgement:
@@ -151,7 +136,7 @@ SIDES = Item(
     "Figs. 6.9, 6.10; section 6.5.1",
     f"Four parameters, one F_o and b for each side: “converging and accurate results”, errors within 3σ. {NO_NUMBER}",
     _SETTING + " Cohort “one sided”.",
-    _draw_sides,
+    _drawn(("sides", "one_sided", {"linear": THESIS, "log": OURS})),
     judge_sides,
 )
 FULL = Item(
@@ -161,7 +146,7 @@ FULL = Item(
     "“It is possible to track the 12 muscle parameters”; it “does not converge as quickly” as with two sides. "
     f"{NO_NUMBER}",
     _SETTING + " Cohort “trismus”.",
-    _draw_full,
+    _drawn(("jaw", "trismus", {"linear": THESIS, "log": OURS}), ("sides", "trismus", {"two sides": OURS})),
     judge_full,
 )
 NOISE = Item(
@@ -170,6 +155,6 @@ NOISE = Item(
     "Sections 6.5, 7.2",
     f"“The Kalman filter does not converge without noise injection” onto the constant parameters. {NO_NUMBER}",
     _SETTING + " Noise: none; 1 % per √s, constant; and 3 % per √s, decaying in 5 s.",
-    _draw_noise,
+    _drawn(("jaw", "trismus", NOISES)),
     judge_noise,
 )

@@ -88,15 +88,16 @@ def sampled_record(dt: float) -> Record:
     return _of_muscles(known_muscle_sets()["whole"], truth, _full_motion(20.0, True), ALL_FREE, "trismus", dt)
 
 
-def _full_motion(degrees: float, to_the_side: bool, seconds: float = 20.0) -> PrescribedMotion:
+def _full_motion(degrees: float, to_the_side: bool) -> PrescribedMotion:
     """Up and down once, with three swings to each side at four degrees where asked for."""
     middle = 0.5 * (REST + degrees)
-    share = np.array([0.0, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0]) * seconds
     keyframes = opening(
-        tuple(share), (REST, middle, degrees, degrees, degrees, middle, REST), (0.0, 0.8, 0.0, -0.8, 0.8, 0.0, 0.0)
+        (0.0, 4.0, 7.0, 10.0, 13.0, 16.0, 20.0),
+        (REST, middle, degrees, degrees, degrees, middle, REST),
+        (0.0, 0.8, 0.0, -0.8, 0.8, 0.0, 0.0),
     )
     if to_the_side:
-        steps = tuple(np.linspace(0.0, seconds, 9))
+        steps = tuple(np.linspace(0.0, 20.0, 9))
         keyframes |= _sideways(steps, (0.0, 4.0, -4.0, 4.0, -4.0, 4.0, -4.0, 0.0, 0.0))
     return PrescribedMotion(keyframes)
 

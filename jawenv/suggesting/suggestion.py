@@ -173,13 +173,12 @@ def drawn_from(means: Array, covs: Array, draws: int, seed: int) -> Array:
     return np.stack([np.resize(one, (draws, means.shape[1])) for one in kept])
 
 
-def seeds_of(patients: list[Patient], world: dict[str, Any], first: int = 0) -> list[int]:
+def seeds_of(patients: list[Patient], world: dict[str, Any]) -> list[int]:
     """A seed for each patient with which the device can treat him: some anatomies that a scan allows it cannot.
 
     Args:
         patients: N.
         world: arguments of the environment.
-        first: seed of the first patient, where it does.
 
     Raises:
         InputError: no seed of several does.
@@ -187,7 +186,7 @@ def seeds_of(patients: list[Patient], world: dict[str, Any], first: int = 0) -> 
     env = gym.make_vec(DEFAULT_ENV, 1, **world)
     found = []
     for i, patient in enumerate(patients):
-        for seed in range(first + i, first + i + _TRIES * _APART, _APART):
+        for seed in range(i, i + _TRIES * _APART, _APART):
             try:
                 env.reset(seed=seed, options={"patients": [patient]})
             except InputError as error:

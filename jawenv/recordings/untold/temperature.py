@@ -76,10 +76,10 @@ def _groups_of_time(blocks: Blocks, number: int) -> NDArray[np.intp]:
     return groups
 
 
-def groups_of_poses(blocks: Blocks, number: int = _TENTHS) -> NDArray[np.intp]:
-    """(B,) group of each block, of so many poses that lie together: means of Lloyd's kind."""
+def groups_of_poses(blocks: Blocks) -> NDArray[np.intp]:
+    """(B,) group of each block, of ten sets of poses that lie together: means of Lloyd's kind."""
     places = blocks.poses * np.array([1.0, 1.0, 0.08, 0.08, 0.08])  # angles over the mouthpiece's arm
-    number = min(number, len(places))
+    number = min(_TENTHS, len(places))
     centres = places[np.argsort(places[:, 2])[np.linspace(0, len(places) - 1, number).astype(int)]]
     for _ in range(30):
         nearest = np.square(places[:, None] - centres).sum(axis=2).argmin(axis=1)

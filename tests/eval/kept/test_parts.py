@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,7 +13,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from eval.kept.parts import Part, Run, finish, parts_of
+from eval.kept.cells import Cell
+from eval.kept.parts import Part, Run, finish
+from eval.rows.times import Times
 from jawenv.base.errors import InputError
 from jawenv.base.files import atomic_write
 from jawenv.base.locks import alone
@@ -25,26 +28,28 @@ INTERRUPTED_RUN = """
 import sys
 from pathlib import Path
 from eval.kept.parts import Run, finish
-from tests.eval.kept.test_parts import parts_in, slow_work
+from tests.eval.kept.test_parts import parts_in, slow_work, text_of
 
-finish(parts_in(Path(sys.argv[1]), 200), slow_work, Path.read_text, "items", Run(workers=2))
+finish(parts_in(Path(sys.argv[1]), 200), slow_work, text_of, "items", Run(workers=2))
 """
 
 
 def parts_in(folder: Path, number: int) -> list[Part]:
-    return [Part("toy", i, 1, (("", folder / f"{i}.txt"),)) for i in range(number)]
+    return [Part("toy", i, 1, folder / f"{i}.txt") for i in range(number)]
+
+
+def text_of(part: Part) -> str:
+    return part.path.read_text()
 
 
 def write_process(part: Part, progress: Progress) -> None:
-    for _, path in part.files:
-        path.write_text(str(os.getpid()))
+    part.path.write_text(str(os.getpid()))
 
 
 def slow_work(part: Part, progress: Progress) -> None:
     time.sleep(0.2)
-    for _, path in part.files:
-        with atomic_write(path) as unfinished:
-            unfinished.write_text("whole")
+    with atomic_write(part.path) as unfinished:
+        unfinished.write_text("whole")
 
 
 def refuse(part: Part, progress: Progress) -> None:
@@ -52,26 +57,25 @@ def refuse(part: Part, progress: Progress) -> None:
 
 
 def note_files(part: Part, progress: Progress, done: list[str]) -> None:
-    for kind, path in part.files:
-        done.append(f"{part.first} {kind}")
-        path.write_text("")
+    done.append(part.path.name)
+    part.path.write_text("")
 
 
 def test_only_missing_files_are_made(tmp_path):
-    parts = [Part("toy", i, 5, (("a", tmp_path / f"{i}a"), ("b", tmp_path / f"{i}b"))) for i in range(2)]
-    (tmp_path / "0a").write_text("")
+    parts = [Part("toy", i, 5, tmp_path / f"{i}.txt") for i in range(4)]
+    (tmp_path / "0.txt").write_text("")
     done, out = [], io.StringIO()
-    finish(parts, partial(note_files, done=done), Path.read_text, "draws", Run(workers=1, console=Console(file=out)))
-    assert done == ["0 b", "1 a", "1 b"]
+    finish(parts, partial(note_files, done=done), text_of, "draws", Run(workers=1, console=Console(file=out)))
+    assert done == ["1.txt", "2.txt", "3.txt"]
     assert out.getvalue().splitlines()[:2] == ["making 20 draws", "5 of 20 draws kept from an earlier run"]
-    finish(parts, partial(note_files, done=done), Path.read_text, "draws", Run(workers=1))
+    finish(parts, partial(note_files, done=done), text_of, "draws", Run(workers=1))
     assert len(done) == 3
-    finish(parts, partial(note_files, done=done), Path.read_text, "draws", Run(True, 1))
+    finish(parts, partial(note_files, done=done), text_of, "draws", Run(True, 1))
     assert len(done) == 7
 
 
 def test_processes_share_the_parts(tmp_path):
-    finish(parts_in(tmp_path, 6), write_process, Path.read_text, "items", Run(workers=2))
+    finish(parts_in(tmp_path, 6), write_process, text_of, "items", Run(workers=2))
     processes = {path.read_text() for path in tmp_path.glob("*.txt")}
     assert len(list(tmp_path.glob("*.txt"))) == 6
     assert str(os.getpid()) not in processes
@@ -79,7 +83,7 @@ def test_processes_share_the_parts(tmp_path):
 
 def test_a_refusal_in_a_process_is_the_callers(tmp_path):
     with pytest.raises(InputError):
-        finish(parts_in(tmp_path, 4), refuse, Path.read_text, "items", Run(workers=2))
+        finish(parts_in(tmp_path, 4), refuse, text_of, "items", Run(workers=2))
 
 
 def test_an_interrupt_ends_the_processes_and_leaves_whole_files(tmp_path):
@@ -104,26 +108,26 @@ def test_two_runs_do_not_work_in_one_folder(tmp_path):
     """The second says so; what is done already asks for no lock."""
     parts = parts_in(tmp_path, 2)
     with alone(tmp_path), pytest.raises(InputError):
-        finish(parts, write_process, Path.read_text, "items", Run(workers=1))
-    finish(parts, write_process, Path.read_text, "items", Run(workers=1))
+        finish(parts, write_process, text_of, "items", Run(workers=1))
+    finish(parts, write_process, text_of, "items", Run(workers=1))
     with alone(tmp_path):
-        finish(parts, write_process, Path.read_text, "items", Run(workers=1))
+        finish(parts, write_process, text_of, "items", Run(workers=1))
 
 
-def test_parts_cover_all_items_and_their_files_name_what_decides_them(tmp_path):
-    parts = parts_of("toy", range(5, 12), 3, tmp_path, {"a/b": "123", "c": "45"})
+def test_parts_cover_all_patients_and_their_files_name_what_decides_them(tmp_path):
+    parts = Cell({"entry": "a/b"}, None, range(5, 12), Times(0.1, 1.0), 3).parts(tmp_path)
     assert [(part.first, part.number) for part in parts] == [(5, 3), (8, 3), (11, 1)]
-    assert [path.name for _, path in parts[2].files] == ["a_b-00011-1-123.parquet", "c-00011-1-45.parquet"]
+    assert re.fullmatch(r"a_b-00011-1-[0-9a-f]{16}\.parquet", parts[2].path.name)
 
 
 def test_damage_is_found_before_anything_is_done_and_each_file_is_read_once(tmp_path):
     parts, done, read = parts_in(tmp_path, 3), [], []
 
-    def careful(path: Path) -> str:
-        read.append(path.name)
-        if path.read_text() == "damaged":
-            raise InputError(f"{path} is damaged")
-        return path.stem
+    def careful(part: Part) -> str:
+        read.append(part.path.name)
+        if part.path.read_text() == "damaged":
+            raise InputError(f"{part.path} is damaged")
+        return part.path.stem
 
     (tmp_path / "2.txt").write_text("damaged")
     with pytest.raises(InputError):
@@ -132,6 +136,4 @@ def test_damage_is_found_before_anything_is_done_and_each_file_is_read_once(tmp_
     (tmp_path / "2.txt").write_text("")
     read.clear()
     kept = finish(parts, partial(note_files, done=done), careful, "items", Run(workers=1))
-    assert (
-        list(kept.values()) == ["0", "1", "2"] and done == ["0 ", "1 "] and sorted(read) == ["0.txt", "1.txt", "2.txt"]
-    )
+    assert kept == ["0", "1", "2"] and done == ["0.txt", "1.txt"] and sorted(read) == ["0.txt", "1.txt", "2.txt"]

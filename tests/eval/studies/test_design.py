@@ -21,7 +21,7 @@ SMALL = {"title": "Small", "entries": ["hold_still", "chirp"], "patients": 2, "s
 
 def named(cell):
     """The digest of its first patients."""
-    return cell.parts(Path())[0].files[0][1].stem.split("-")[-1]
+    return cell.parts(Path())[0].path.stem.split("-")[-1]
 
 
 def cells(**changes):
