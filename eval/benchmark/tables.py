@@ -17,58 +17,56 @@ NOTE = (
     "Seconds until every parameter is within the task's share of the truth, and stays there to the end of an episode "
     "in which no hard limit is crossed: means over the patients, who count as the whole episode where that never "
     "happens (restricted mean time). Lower is better. In brackets the 95 % interval over the patients (bias-corrected "
-    "and accelerated bootstrap). `–`: trained for another environment, or plans in another one."
+    "and accelerated bootstrap). The device keeps the task's budget of discomfort: without one the ranking rewards "
+    "breaking a limit. `–`: trained for another environment, or plans in another one."
 )
 CHECK_NOTE = (
-    "The same score with as many patients whom the key draws, for whom nobody could prepare; the public ones rank. "
-    "Later: their mean score less that of the public ones, with the 95 % interval of two independent samples (Welch "
-    "1947). By chance one interval in twenty leaves out 0."
+    "As many patients whom the key draws, for whom nobody could prepare: their mean score less that of the public "
+    "ones, who rank, in s, with the 95 % interval of two independent samples (Welch 1947). By chance one interval in "
+    "twenty leaves out 0."
 )
-TASK_HEAD = ("task", "what it asks", "model", "cohort", "knowledge", "device", "within", "seeds")
-Cells = dict[tuple[str, str], pd.DataFrame]
+TASK_HEAD = ("task", "what it asks", "model", "cohort", "knowledge", "device", "budget, s", "within", "seeds")
+Cells = dict[tuple[str, str], Array]
 
 
 def _cells(rows: pd.DataFrame, patients: str) -> Cells:
-    """Rows of the public or of the drawn patients by task and agent, in the order of `TASKS` and of the rows."""
+    """Scores of the public or of the drawn patients by task and agent, in the order of `TASKS` and of the rows."""
     chosen = rows[rows["patients"] == patients]
-    of = {(str(task), str(agent)): cell for (task, agent), cell in chosen.groupby(["task", "agent"], sort=False)}
+    of = {
+        (str(task), str(agent)): cell.to_numpy(dtype=np.float64)
+        for (task, agent), cell in chosen.groupby(["task", "agent"], sort=False)["score_s"]
+    }
     agents = dict.fromkeys(map(str, rows["agent"]))
     return {(task, agent): of[task, agent] for task in TASKS for agent in agents if (task, agent) in of}
 
 
-def _numbers(cell: pd.DataFrame, column: str) -> Array:
-    return cell[column].to_numpy(dtype=np.float64)
-
-
-def _score(cell: pd.DataFrame) -> Interval:
-    return statistics.mean(_numbers(cell, "score_s"))
+def _table(seconds: dict[tuple[str, str], Interval], note: str, title: str) -> Table:
+    """An agent a row, a task a column."""
+    tasks, agents = (dict.fromkeys(at[place] for at in seconds) for place in (0, 1))
+    table = [
+        [words.label(agent)]
+        + [words.with_interval(seconds[task, agent], 2) if (task, agent) in seconds else "–" for task in tasks]
+        for agent in agents
+    ]
+    return Table(["agent", *tasks], table, note=note, title=title)
 
 
 def score_table(rows: pd.DataFrame) -> Table:
-    """The scores of the public patients: an agent a row, a task a column.
+    """The scores of the public patients.
 
     Args:
         rows: of `eval.kept.cells.play_cells`.
     """
     cells = _cells(rows, PUBLIC)
-    tasks, agents = (dict.fromkeys(key[place] for key in cells) for place in (0, 1))
-    table = [
-        [words.label(agent)]
-        + [words.with_interval(_score(cells[task, agent]), 2) if (task, agent) in cells else "–" for task in tasks]
-        for agent in agents
-    ]
-    return Table(["agent", *tasks], table, note=NOTE, title=f"{VERSION}: s until the truth is found, lower is better")
+    scores = {at: statistics.mean(seconds) for at, seconds in cells.items()}
+    return _table(scores, NOTE, f"{VERSION}: s until the truth is found, lower is better")
 
 
 def check_table(rows: pd.DataFrame) -> Table:
-    """The scores of the drawn patients beside those of the public ones: a task and an agent a row."""
-    public, table = _cells(rows, PUBLIC), []
-    for (task, agent), cell in _cells(rows, DRAWN).items():
-        later = statistics.difference(_numbers(cell, "score_s"), _numbers(public[task, agent], "score_s"))
-        scores = (_score(public[task, agent]), _score(cell), later)
-        table.append([task, words.label(agent), *(words.with_interval(score, 2) for score in scores)])
-    head = ["task", "agent", "public, s", "drawn, s", "later, s"]
-    return Table(head, table, (0, 1), CHECK_NOTE, "Drawn patients: a check")
+    """The scores of the drawn patients less those of the public ones."""
+    public, drawn = _cells(rows, PUBLIC), _cells(rows, DRAWN)
+    later = {at: statistics.difference(seconds, public[at]) for at, seconds in drawn.items()}
+    return _table(later, CHECK_NOTE, "Drawn patients: how much later, s")
 
 
 def task_row(task: Task) -> list[str]:
@@ -77,7 +75,8 @@ def task_row(task: Task) -> list[str]:
     seeds = f"{task.seeds[0]}–{task.seeds[-1]}"
     share = f"{words.percent(task.within, 0)} %"
     model = task.env.removeprefix("jawenv/")
-    return [task.id, task.description, model, task.cohort, task.knowledge, device or "–", share, seeds]
+    budget = f"{task.comfort_budget_s:g}"
+    return [task.id, task.description, model, task.cohort, task.knowledge, device or "–", budget, share, seeds]
 
 
 def markdown(rows: pd.DataFrame, metadata: dict[str, Any], key: str) -> str:
@@ -100,6 +99,6 @@ def markdown(rows: pd.DataFrame, metadata: dict[str, Any], key: str) -> str:
         f"Drawn by {code(f'--key {key}')}.",
         check_table(rows).markdown(),
         "## Tasks",
-        Table(TASK_HEAD, [task_row(task) for task in tasks], range(len(TASK_HEAD) - 2)).markdown(),
+        Table(TASK_HEAD, [task_row(task) for task in tasks], range(len(TASK_HEAD) - 3)).markdown(),
     ]
     return "\n\n".join(lines) + "\n"

@@ -16,7 +16,7 @@ from jawenv.anatomy.knowledge import knowledge
 from jawenv.base.errors import InputError, shown
 from jawenv.device.device import device_of
 
-VERSION = "jawenv-2"
+VERSION = "jawenv-3"
 """Version for citation, with the ids of the tasks."""
 PATIENTS_IN_A_PART = 50
 """Patients that are played together. An agent that draws at random draws anew for each part."""
@@ -35,8 +35,9 @@ class Task:
     within: float  # largest relative error of every parameter, 0.05 is 5 %
     device: Mapping[str, float] = field(default_factory=dict)
     """Fields of the device with other values, which the filter knows."""
-    control: str = "targets"  # of agents that have no other
+    control: str = "targets"  # the device keeps a budget of discomfort in no other
     episode_s: float = 30.0  # length of every episode
+    comfort_budget_s: float = 0.1  # discomfort of an episode that the device keeps: nobody wins by breaking a limit
     patients: int = 100  # how many
     asked: str | None = None  # the muscles that have to be found, as the environment's argument; None for all
     comfort_limit_s: float = math.inf  # discomfort of an episode above which the patient counts as not found
@@ -58,8 +59,9 @@ class Task:
             patients: the first ones only; all by default.
         """
         world = {"env": self.env, "cohort": self.cohort, "control": self.control, "episode_s": self.episode_s}
-        within = {"device": dict(self.device), "knowledge": self.known_within, "asked": self.asked}
-        return Settings.of(patients or self.patients, self.first_seed, **world, **within)
+        world |= {"device": dict(self.device), "knowledge": self.known_within, "asked": self.asked}
+        world |= {"comfort_budget_s": self.comfort_budget_s}
+        return Settings.of(patients or self.patients, self.first_seed, **world)
 
     def frozen(self) -> dict[str, Any]:
         """All that makes the task, with the numbers behind the names, without words and effects that are off."""
@@ -71,8 +73,8 @@ class Task:
         }
 
 
+_JAW = "jawenv/Jaw-v3"
 _OTHER_SENSORS = ("motor_table_", "motor_coulomb_", "motor_viscous_", "strap_")  # of a force that no task has
-_MEMORY = {"unmodelled_time_s": 0.5}
 TASKS: Mapping[str, Task] = MappingProxyType(
     {
         task.id: task
@@ -86,20 +88,12 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 50_000,
                 0.05,
             ),
-            Task("jaw-exact", "Every closing muscle of both sides", "jawenv/Jaw-v3", "trismus", "exact", 51_000, 0.05),
-            Task(
-                "jaw-wide-exact",
-                "The medians of trismus, twice its spread",
-                "jawenv/Jaw-v3",
-                "wide",
-                "exact",
-                52_000,
-                0.05,
-            ),
+            Task("jaw-exact", "Every closing muscle of both sides", _JAW, "trismus", "exact", 51_000, 0.05),
+            Task("jaw-wide-exact", "The medians of trismus, twice its spread", _JAW, "wide", "exact", 52_000, 0.05),
             Task(
                 "jaw-one-sided-exact",
                 "All closers of one side are stiff, and it is not told which side",
-                "jawenv/Jaw-v3",
+                _JAW,
                 "one_sided",
                 "exact",
                 53_000,
@@ -108,7 +102,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             Task(
                 "jaw-imaged",
                 "Anatomy, mass and fit of the device are known as from a scan",
-                "jawenv/Jaw-v3",
+                _JAW,
                 "trismus",
                 "imaged",
                 54_000,
@@ -117,22 +111,23 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             Task(
                 "jaw-imaged-memory",
                 "As jaw-imaged; the unmodelled wrench has a memory of 0.5 s, and the filter knows it",
-                "jawenv/Jaw-v3",
+                _JAW,
                 "trismus",
                 "imaged",
                 55_000,
                 0.20,
-                _MEMORY,
+                {"unmodelled_time_s": 0.5},
             ),
             Task(
                 "jaw-asked",
                 "One muscle, drawn and told, in 10 s; above 0.03 s of discomfort a patient counts as not found",
-                "jawenv/Jaw-v3",
+                _JAW,
                 "patchy",
                 "exact",
                 57_000,
                 0.02,
                 episode_s=10.0,
+                comfort_budget_s=0.03,
                 asked="random",
                 comfort_limit_s=0.03,
             ),

@@ -15,7 +15,7 @@ BASELINES = (
     "hold_still",
     "random",
     "slow_opening",
-    "opening_with_swings_and_fore_aft",
+    "universal",
     "refined",
     "refined_imaged",
     "refined_one_sided",

@@ -16,12 +16,12 @@ ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
     "lines that README's commands load": 34_865,
-    "lines of everything else": 13_245,
+    "lines of everything else": 13_239,
     "lines that a step loads": 12_652,
     "lines that eval compare loads": 21_619,
-    "lines": 48_110,
+    "lines": 48_104,
     "files": 440,
-    "functions": 2_779,
+    "functions": 2_778,
 }
 STEP = """
 import gymnasium, jawenv
