@@ -6,7 +6,8 @@
 Times, places, angles and one reading of the load cell a row: no velocities, no header, no word of the patient. The
 tracker has a rate of its own; readings of a cell that is slower stand in the nearest rows, between them cells are
 empty. rates: people of ``anyone`` with a scan's anatomy. people: every cohort with and without a scan, other sizes, a
-head that lies back, a bench on which all is a little wrong. A row is printed as soon as it is there.
+head that lies back, axes laid through condyles that were felt for, a bench on which all is a little wrong. A row is
+printed as soon as it is there.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import argparse
 import csv
 import sys
 import tempfile
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,6 +28,7 @@ import jawenv
 from agents import load_agent
 from eval.figures import statistics, words
 from jawenv.anatomy import COHORTS
+from jawenv.anatomy.knowledge import IMAGED
 from jawenv.answers.answer import Answer
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.inference.treatable import treatable
@@ -174,6 +177,8 @@ def people(arguments: argparse.Namespace) -> None:
     kinds = [(cohort, title, world) for cohort in COHORTS for title, world in both.items()]
     kinds += [("anyone", f"size {size:g}", {"anatomy": sized(size)}) for size in (0.85, 0.93, 1.07, 1.15)]
     kinds += [("anyone", "size 0.93, the table's anatomy", {"anatomy": sized(0.93), "reality": NO_SCAN})]
+    felt = {"knowledge": replace(IMAGED, axes_mm=2.0)}
+    kinds += [("anyone", f"{title}, axes off by 2 mm", felt | world) for title, world in both.items()]
     tilts = (-20.0, -45.0, -80.0)
     kinds += [("trismus", f"head at {tilt:g} degrees", {"tilt": tilt}) for tilt in tilts]
     kinds += [("anyone", "the table's anatomy, a bench's small errors", {"reality": NO_SCAN | SMALL_ERRORS})]

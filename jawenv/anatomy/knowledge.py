@@ -47,6 +47,8 @@ class Knowledge(NumericFields):
         wrench_N: of a smooth wrench that no muscle pulls and no load cell reads: five components (moments over 3 cm)
             times six shapes of the pose, each of the thirty by itself (`filter.nuisances.turned`). It stands for all
             that the other fields leave out, as a scar or a cell that drifts with the pose (0.1, G).
+        axes_mm: of each coordinate of where the encoders' axes begin, half way between the condyles: a few mm where
+            somebody felt for these (G).
     """
 
     attachments: float = number(0.0, 0.3, "1")
@@ -65,6 +67,7 @@ class Knowledge(NumericFields):
     inertia: float = number(0.0, 0.2, "1")
     cell_deg: float = number(0.0, 5.0, "deg")
     wrench_N: float = number(0.0, 10.0, "N")
+    axes_mm: float = number(0.0, 10.0, "mm")
 
     @property
     def exact(self) -> bool:
@@ -87,7 +90,7 @@ IMAGED = Knowledge(
     cell_offset_N_m=0.002,
     damping=0.2,
 )
-BENCH = replace(IMAGED, wrench_N=0.1)
+BENCH = replace(IMAGED, wrench_N=0.1, axes_mm=0.02)
 LEVELS: Mapping[str, Knowledge] = MappingProxyType({"exact": Knowledge(), "imaged": IMAGED, "bench": BENCH})
 """All known exactly; a scan of the patient, an impression and a tared cell; these and what nobody thought of."""
 

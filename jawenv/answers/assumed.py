@@ -12,7 +12,7 @@ from jawenv.ladder import MODELS
 from jawenv.recordings import defaults
 from jawenv.recordings.identification import LEAST_S, Identification, identified
 from jawenv.recordings.record import Record
-from jawenv.recordings.size import size_in
+from jawenv.recordings.size import AXES_MM, size_in
 from jawenv.recordings.untold.learnt import Learnt
 
 WIDER = 2.0
@@ -46,10 +46,12 @@ def assumed_in_words(record: Record) -> str:
         one = COHORTS[name]
         low, high = (np.exp((one.mean + reach * one.sd)[:, ::2]) for reach in (-2.0, 2.0))
         patient = f"{name} (F_o {low.min():.2g}–{high.max():.2g} N)"
-    level = next((level for level, sds in LEVELS.items() if sds == record.knowledge), None)
+    felt = record.knowledge.axes_mm >= AXES_MM
+    level = "bench" if felt else next((level for level, sds in LEVELS.items() if sds == record.knowledge), None)
     known = "known within sds" if level is None else _KNOWN[level]
     tilt, size = defaults.tilt_of(record.jaw), size_in(record.jaw)
     known += "" if size == 1.0 else f", mandible {size:.2f} of the table's, by its motion"
+    known += "" if not felt else f", axes within {AXES_MM:g} mm of the condyles"
     head = "upright" if abs(tilt) < 0.05 else f"pitched down by {tilt:.3g} degrees"
     return f"patient: {patient} · anatomy: {known} · head {head}"
 

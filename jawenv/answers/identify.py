@@ -23,7 +23,7 @@ from jawenv.recordings.identification import Identification
 from jawenv.recordings.plausibility import findings
 from jawenv.recordings.record import Record
 from jawenv.recordings.several.together import MOST, Agreement, agreement, combined, together
-from jawenv.recordings.size import in_its_size
+from jawenv.recordings.size import by_its_motion, size_in
 from jawenv.recordings.table import RecordTable, checked_path, read_table
 from jawenv.recordings.untold.learnt import Learnt, identified_with_errors
 from jawenv.recordings.words import WORDS
@@ -110,15 +110,14 @@ def _is_log(table: RecordTable, columns: Path | None) -> bool:
 def _identified(
     table: RecordTable, record: Record, reading: dict[str, Any]
 ) -> tuple[Record, Identification, Learnt | None]:
-    """The recording and its identification; of a jaw of its own size where that is simpler."""
+    """The recording and its identification; by its motion where that shows a size, or where else it is not believed."""
     found, learnt = identified_with_errors(record)
     if found.believable and (learnt is None or learnt.usual):
         return record, found, learnt
-    own = in_its_size(table, record, **reading)
-    if own is not None:
+    own = by_its_motion(table, record, **reading)
+    if own is not None and (size_in(own.jaw) != 1.0 or not found.believable):
         again, errors = identified_with_errors(own)
-        simpler = learnt is None or errors is None or errors.probability > learnt.probability
-        if again.believable and (simpler or not found.believable):
+        if again.believable:
             return own, again, errors
     return record, found, learnt
 

@@ -1,7 +1,8 @@
 """Size of a jaw from its motion alone: the mouthpiece turns about condyles that slide on the fossa, whatever forces do.
 
 The height of a point s times as far from the condyles as the table's is known at every pose, so that one number fits
-all rows, beside the fossa's two, the mouthpiece's seat and its pitch, each within what a scan leaves of it.
+all rows, beside the fossa's two, the mouthpiece's seat and its pitch, each within what a scan leaves of it, and where
+the axes of the readings begin.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ from jawenv.recordings.table import RecordTable
 SMALLEST, LARGEST = 0.6, 1.5
 UNTOLD, SURE_SDS = 0.02, 3.0
 """A size nearer to 1, or by fewer of its sds away, is that of the table."""
-MOUTHPIECE_MM, MOST_SD = 1.0, 0.01
-"""Sd of the mouthpiece's place where the size is of the motion, at least; sd of a size that is none."""
+AXES_MM = 3.0  # sd of where the axes begin, which are laid through condyles that somebody felt for
+MOST_SD = 0.02  # of a size; one that is less certain is none
 STARTS = (0.8, 1.0, 1.2)
 _HEIGHT_SD = 0.2e-3  # m, of errors that last
 _FOSSA_SD, _SEAT_SD, _PITCH_SD = 0.1, 0.5e-3, np.radians(0.5)
@@ -35,21 +36,25 @@ _FARTHEST = 3.0  # m or rad, beyond which no jaw is
 _LEAST_PITCH = 0.05  # rad that the jaw turns by, or its size is not seen
 
 
-def in_its_size(table: RecordTable, record: Record, **reading: Any) -> Record | None:
-    """The recording of a jaw of the size that its motion shows; None where that is the table's, or was given.
+def by_its_motion(table: RecordTable, record: Record, **reading: Any) -> Record | None:
+    """The recording with axes that begin anywhere near the condyles, of a jaw of the size that its motion shows.
+
+    None where file or caller says what is known. A jaw that was given keeps its size.
 
     Args:
         table: of the file.
         record: as read of a jaw of the table's size.
         **reading: arguments of ``load_record``.
     """
-    given = reading.get("anatomy") is not None or "jaw" in table.header or "anatomy" in table.header
-    size, sd = (1.0, 0.0) if given or record.knowledge.exact else size_of(record)
-    if size == 1.0 or sd > MOST_SD:
+    said = {name for name, value in reading.items() if value is not None} | set(table.header)
+    if "knowledge" in said:
         return None
-    again = load_record(table, BENCH, **(reading | {"anatomy": sized(size)}))
-    place = max(MOUTHPIECE_MM, 1e3 * sd * float(np.linalg.norm(again.jaw["mouthpiece"])))
-    return replace(again, knowledge=replace(again.knowledge, mouthpiece_mm=place))
+    size, sd = (1.0, 0.0) if said & {"anatomy", "jaw"} else size_of(record)
+    if size != 1.0 and sd <= MOST_SD:
+        record = load_record(table, BENCH, **(reading | {"anatomy": sized(size)}))
+    place = 1e3 * sd * float(np.linalg.norm(record.jaw["mouthpiece"])) if sd <= MOST_SD else 0.0
+    known = replace(record.knowledge, axes_mm=AXES_MM, mouthpiece_mm=max(record.knowledge.mouthpiece_mm, place))
+    return replace(record, knowledge=known)
 
 
 def size_in(jaw: Any) -> float:
@@ -76,8 +81,8 @@ def size_of(record: Record) -> tuple[float, float]:
     def residuals(guess: Array) -> Array:
         return np.append(weight * _height_error(pose[:, :3], pose[:, 3:], guess), guess[1:])
 
-    low, high = np.array([SMALLEST, *[-4.0] * 5]), np.array([LARGEST, *[4.0] * 5])
-    ways = (least_squares(residuals, [size, *[0.0] * 5], bounds=(low, high)) for size in STARTS)
+    low, high = np.array([SMALLEST, *[-4.0] * 7]), np.array([LARGEST, *[4.0] * 7])
+    ways = (least_squares(residuals, [size, *[0.0] * 7], bounds=(low, high)) for size in STARTS)
     found = min(ways, key=lambda way: float(way.cost))
     size, sd = float(found.x[0]), float(np.linalg.pinv(found.jac.T @ found.jac)[0, 0] ** 0.5)
     return (1.0, sd) if abs(size - 1.0) < max(UNTOLD, SURE_SDS * sd) else (size, sd)
@@ -85,16 +90,17 @@ def size_of(record: Record) -> tuple[float, float]:
 
 def _height_error(place: Array, angles: Array, guess: Array) -> Array:
     """(N,) m by which the condyles are above the fossa at the poses read, for size, fossa, seat and pitch."""
-    size, depth, frequency, seat_x, seat_z, pitch = guess
+    size, depth, frequency, seat_x, seat_z, pitch, axes_x, axes_z = guess
     fossa, own = default_fossa(), default_mandible().mouthpiece_m
     shift = _SEAT_SD * np.array([seat_x, seat_z])  # the encoders are zeroed with the teeth together
     x, z = size * own[0] + shift[0], size * own[2] + shift[1]
     theta, psi, phi = (angles + np.array([_PITCH_SD * pitch, 0.0, 0.0])).T
     across, upward = _turned(theta, psi, phi, x, z)
-    along = place[:, 0] + shift[0] - across
+    axes = 1e-3 * AXES_MM * np.array([axes_x, axes_z])
+    along = place[:, 0] + axes[0] + shift[0] - across
     drop = size * fossa.drop_m * np.exp(_FOSSA_SD * depth)
     wave = fossa.spatial_frequency / size * np.exp(_FOSSA_SD * frequency)
-    error: Array = place[:, 2] + shift[1] - upward - drop * (np.cos(wave * along) - 1.0)
+    error: Array = place[:, 2] + axes[1] + shift[1] - upward - drop * (np.cos(wave * along) - 1.0)
     return error
 
 

@@ -167,6 +167,7 @@ class Nuisances:
     damping_rotation: Annotated[Array, "nuisances"]
     damping_sliding: Annotated[Array, "nuisances"]
     mouthpiece: Annotated[Array, "nuisances", 3]
+    zero: Annotated[Array, "nuisances", 3]
     origin: Annotated[Array, "nuisances", "ends"]
     insertion: Annotated[Array, "nuisances", "ends"]
     l_o: Annotated[Array, "nuisances", "lines"]

@@ -49,7 +49,7 @@ def change_jaw(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
         changed.gravity[i] = jaw.gravity[i] + share * nuisances.gravity[j, i]
         shift = share * nuisances.mouthpiece[j, i]
         changed.mouthpiece[i] = jaw.mouthpiece[i] + shift
-        changed.zero[i] = jaw.zero[i] + shift
+        changed.zero[i] = jaw.zero[i] + share * nuisances.zero[j, i]
         for tooth in range(N_TEETH):
             changed.teeth[tooth, i] = jaw.teeth[tooth, i] + shift
     for line in range(jaw.l_o.shape[0]):

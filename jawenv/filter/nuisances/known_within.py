@@ -28,7 +28,7 @@ from jawenv.filter.nuisances.unknowns import (
 _PLAIN = ("mass", "gravity", "tone", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
 _IN_MOTION = (*_PLAIN, "mouthpiece", "first_moment", "inertia")
 _IN_MOTION_ALONE = tuple(unknown.name for unknown in UNKNOWNS if not unknown.at_rest)
-_SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
+_SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "zero", "turn")
 
 
 def write_nuisances(
@@ -54,7 +54,7 @@ def write_nuisances(
     for j, direction in enumerate(sds):
         record["again"][j], values = np.any(direction[AGAIN] != 0.0), as_body(direction)
         changed = changed_jaw(jaw, knowledge, muscles, scaled(values, STEP))
-        for name in (*_PLAIN, "mouthpiece", "l_o"):
+        for name in (*_PLAIN, "mouthpiece", "zero", "l_o"):
             record[name][j] = (changed[name] - jaw[name]) / STEP
         for name in ("origin", "insertion"):
             record[name][j] = ((changed[name] - jaw[name]) / STEP).ravel()

@@ -85,6 +85,10 @@ def _move_mouthpiece(jaw: Any, shift: Array, muscles: MuscleSet) -> None:
         jaw[name] += shift
 
 
+def _move_axes(jaw: Any, shift: Array, muscles: MuscleSet) -> None:
+    jaw["zero"] += shift
+
+
 def _change_inertia(jaw: Any, shares: Array, muscles: MuscleSet) -> None:
     jaw["inertia"] *= 1.0 + shares[0]
 
@@ -101,6 +105,7 @@ UNKNOWNS = (
     Unknown("tone", "tone", lambda known: [known.closing_tone_N], _change_tone, late=True),
     Unknown("centre_of_mass", "centre of mass", _centre_of_mass_sds, _move_centre_of_mass, own=True),
     Unknown("mouthpiece", "mouthpiece, place", lambda known: [1e-3 * known.mouthpiece_mm] * 3, _move_mouthpiece),
+    Unknown("axes", "encoders' axes", lambda known: [1e-3 * known.axes_mm] * 3, _move_axes, late=True),
     Unknown(TURN, "mouthpiece, angles", lambda known: [radians(known.mouthpiece_deg)] * 3),
     Unknown(OFFSET, "cell offset", lambda known: [known.cell_offset_N] * 3 + [known.cell_offset_N_m] * 3),
     # The whole tensor: a tenth moves nothing that can be measured.

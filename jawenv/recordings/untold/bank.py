@@ -2,11 +2,13 @@
 
 For every six sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
 probable values a normal belief is laid (Laplace). Beforehand 0.9 of the weight is on a size of zero, also of a wrench
-that the filter was told of: a fixed sd of 0.1 N would double the error bars of recordings that need none.
+that the filter was told of: a fixed sd of 0.1 N would double the error bars of recordings that need none. Lines of
+muscles have no usual size: nobody said whether there is a scan.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import combinations, product
 
@@ -26,10 +28,11 @@ LEVELS = {
     "lines": (1.0, 3.0, 10.0),  # sds of attachments over a scan's: 10 is the table's mean anatomy
     "law": LAWS,  # sd of bends, share of a tension
 }
-"""Name of each size -> its levels; the first is the usual one."""
+"""Name of each size -> its levels; the first is the usual one, but of lines."""
 SIZES = np.array([sizes for sizes in product(*LEVELS.values()) if sizes[0] > 0.0 or sizes[4] == 1.0])
 """(288, 6) sizes; laws vary first."""
 _TOLD = 0.9
+_WEIGHED = [name for name in LEVELS if name != "lines"]
 _EFFORT, _LONG = (12, 6), (80, 14)
 """Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
 _ENOUGH = 1e-4
@@ -94,7 +97,7 @@ def mixture(blocks: Blocks, temperature: float, sizes: Array | None = None) -> M
         sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.told_scan else SIZES
     information, score, evidence = _about_tensions(blocks, temperature, sizes)
     means, covs, heights = _most_probable(blocks, information, score, np.tile(blocks.point, (len(score), 1)))
-    weights = evidence + heights + beforehand(sizes)
+    weights = evidence + heights + beforehand(sizes, _WEIGHED)
     weights = np.where(np.isfinite(weights), weights, -np.inf)
     weights = np.exp(weights - weights.max())
     weights /= weights.sum()
@@ -107,11 +110,12 @@ def mixture(blocks: Blocks, temperature: float, sizes: Array | None = None) -> M
     return Mixture(mean, 0.5 * (cov + cov.T), weights, *best)
 
 
-def beforehand(sizes: Array) -> Array:
-    """(N,) logarithms of the weights before anything is read; a wrench that the filter was told of is learnt too."""
+def beforehand(sizes: Array, kinds: Collection[str]) -> Array:
+    """(N,) logarithms of the weights of these kinds before anything is read, also of a wrench that was told."""
     weights = np.zeros(len(sizes))
-    for j, levels in enumerate(LEVELS.values()):
-        weights += np.where(sizes[:, j] == levels[0], np.log(_TOLD), np.log((1.0 - _TOLD) / (len(levels) - 1)))
+    for j, (name, levels) in enumerate(LEVELS.items()):
+        if name in kinds:
+            weights += np.where(sizes[:, j] == levels[0], np.log(_TOLD), np.log((1.0 - _TOLD) / (len(levels) - 1)))
     return weights
 
 

@@ -35,7 +35,7 @@ MOST_BLOCKS = 600  # of a recording: those of an hour would fill the memory, so 
 _WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
 _MOST_PASSES, _CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
 _N_CONSTANT = len(WRENCH_UNITS)
-_OF_A_SESSION = ("gravity", "tone", "mouthpiece", "offset", "turn", "cell_turn", "of_motors", "again")
+_OF_A_SESSION = ("gravity", "tone", "mouthpiece", "zero", "offset", "turn", "cell_turn", "of_motors", "again")
 """Each mounting draws the unknowns of these effects anew; all others are the patient's own."""
 N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""

@@ -48,11 +48,6 @@ class Learnt:
     rival: Array | None  # (p,) parameters that explain the readings as well, and that the belief excludes
 
     @property
-    def probability(self) -> float:
-        """Logarithm of the weight that the sizes had beforehand: how simple the explanation is."""
-        return float(beforehand(np.array([list(self.sizes.values())]))[0])
-
-    @property
     def usual(self) -> bool:
         """Whether no error beyond a scan's was found."""
         return all(self.sizes[name] == levels[0] for name, levels in LEVELS.items() if name != "scan")
@@ -123,7 +118,7 @@ def _lying(
     if number == 0:
         return None
     weighs = weighed(blocks)
-    simpler, usual = beforehand(np.array([weighs[0].sizes, before]))
+    simpler, usual = beforehand(np.array([weighs[0].sizes, before]), LEVELS)
     return (record, blocks, weighs) if simpler > usual else None
 
 
