@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from eval.patient.courses import Person
 from eval.patient.treatments import Course, Treatment, population_of
 from eval.report import template
 from jawenv.anatomy import MUSCLE_NAMES, Prior, muscle_set
+from jawenv.answers.tension import Tension
 from jawenv.base.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, STIFF_F_O_N
@@ -84,6 +85,8 @@ class Subject:
     notice: str  # disclaimer
     prior: Prior  # belief about the muscles before the first treatment
     effects: str = ""  # effects unknown to the estimate; empty for none
+    tension: Mapping[str, Sequence[Tension]] = field(default_factory=dict)
+    """Closing forces at the incisors of a recording, see ``Answer.tension``."""
 
     @classmethod
     def simulated(cls, entry: Entry, person: Person, plan: Course, seconds: float) -> Subject:

@@ -45,6 +45,7 @@ def write_page(answer: Answer, target: Path) -> Path:
         f"alarm: {alarm_word(result.misfit)}. Assumed: {answer.assumed}",
         notice="Research, not a medical device." + (" The patient is simulated." if simulated else ""),
         prior=record.prior,
+        tension=answer.tension,
     )
     command = shlex.join(["jawenv", "identify", *answer.paths, "--page", str(target)])
     return template.write(page.render(subject, [treatment], made_with(command), simulated), target)

@@ -24,7 +24,9 @@ from jawenv.recordings.online import take_tick
 EPS = 1e-3  # sds
 
 
-KNOWN = replace(IMAGED, attachments=0.3, cell_deg=0.5, closing_tone_N=0.1, wrench_N=0.2)  # all that has a column
+KNOWN = replace(
+    IMAGED, attachments=0.3, cell_deg=0.5, closing_tone_N=0.1, wrench_N=0.2, axes_mm=2.0
+)  # all that has a column
 
 # A filter is compiled for a number of columns. Episodes are played with as many as ``IMAGED`` has, which is compiled
 # for other tests too: what stands here leaves some out.
@@ -33,8 +35,8 @@ LARGEST = {name: kind.high for name, kind in Knowledge.numeric_fields().items()}
     "closing_tone_N": 0.0,
     "wrench_N": 0.0,
 }
-LARGEST_INSIDE = LARGEST | {"mouthpiece_mm": 0.0, "head_tilt_deg": 0.0}
-LARGEST_OUTSIDE = LARGEST | {"attachments": 0.1, "fossa": 0.0}
+LARGEST_INSIDE = LARGEST | {"mouthpiece_mm": 0.0, "head_tilt_deg": 0.0, "cell_deg": 0.0}
+LARGEST_OUTSIDE = LARGEST | {"attachments": 0.1, "fossa": 0.0, "axes_mm": 0.0}
 COLUMNS_OF_IMAGED = 56
 
 

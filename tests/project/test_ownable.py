@@ -15,11 +15,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_865,
-    "lines of everything else": 13_239,
-    "lines that a step loads": 12_652,
-    "lines that eval compare loads": 21_619,
-    "lines": 48_104,
+    "lines that README's commands load": 34_880,
+    "lines of everything else": 13_244,
+    "lines that a step loads": 12_656,
+    "lines that eval compare loads": 21_623,
+    "lines": 48_124,
     "files": 440,
     "functions": 2_778,
 }
