@@ -2,6 +2,7 @@
 
     python -m research.anyone rates --patients 24
     python -m research.anyone people --patients 24
+    python -m research.anyone late --patients 24
 
 Times, places, angles and one reading of the load cell a row: no velocities, no header, no word of the patient. The
 tracker has a rate of its own; readings of a cell that is slower stand in the nearest rows, between them cells are
@@ -44,6 +45,7 @@ MOVEMENTS = ("refined", "slow_opening")
 RATES = tuple(product((60, 120, 240), (20, 80)))
 """Hz of tracker and load cell."""
 TRACKER_HZ, CELL_HZ = 120, 80
+LATE_MS = (10, 20, 40)
 NO_SCAN = {"attachment_error": 1.0}
 SMALL_ERRORS = {
     "cell_bias_N": 0.1,
@@ -58,7 +60,7 @@ SMALL_ERRORS = {
 _POSE = 6
 
 
-def lab_file(record: Record, hz: float, cell_hz: float, path: Path, seed: int = 0) -> None:
+def lab_file(record: Record, hz: float, cell_hz: float, path: Path, seed: int = 0, late_s: float = 0.0) -> None:
     """Write a played record as a laboratory's file.
 
     Args:
@@ -67,6 +69,7 @@ def lab_file(record: Record, hz: float, cell_hz: float, path: Path, seed: int = 
         cell_hz: of the load cell.
         path: of a CSV file.
         seed: of the noise.
+        late_s: by which forces are written later than they were.
     """
     assert record.states is not None
     time = np.arange(int(record.time[-1] * hz + 1e-9) + 1) / hz
@@ -79,7 +82,7 @@ def lab_file(record: Record, hz: float, cell_hz: float, path: Path, seed: int = 
     forces = np.full((len(time), len(READINGS)), np.nan)
     rows = np.minimum(np.round(at * hz).astype(int), len(time) - 1)
     for k, values in enumerate(record.samples[:, :2].reshape(-1, len(READINGS)).T):
-        forces[rows, k] = np.interp(at, moments, values)
+        forces[rows, k] = np.interp(at - late_s, moments, values)
     table = np.column_stack([time, pose * [column.scale for column in ENCODERS[:_POSE]], forces])
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -113,13 +116,13 @@ class _Judged(NamedTuple):
     right: int  # of these
 
 
-def judged(record: Record, hz: float, cell_hz: float, seed: int, **told: Any) -> _Judged:
+def judged(record: Record, hz: float, cell_hz: float, seed: int, late_s: float = 0.0) -> _Judged:
     """The answer of ``jawenv.identify`` to a played record, written as a laboratory's file, beside the truth."""
     assert record.truth is not None
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "lab.csv"
-        lab_file(record, hz, cell_hz, path, seed)
-        answer = jawenv.identify(path, **told)
+        lab_file(record, hz, cell_hz, path, seed, late_s)
+        answer = jawenv.identify(path)
     assert isinstance(answer, Answer)
     nees = float(Beliefs.of(answer.log_mean, answer.log_cov, record.truth).nees)
     truly = np.exp(record.truth).reshape(-1, 2) > [STIFF_F_O_N, BLOCKED_B]
@@ -189,7 +192,18 @@ def people(arguments: argparse.Namespace) -> None:
         row(cohort, title, *_figures(found))
 
 
-TABLES = {"rates": rates, "people": people}
+def late(arguments: argparse.Namespace) -> None:
+    """Print a row for each movement and time by which forces are late."""
+    row("movement", "forces late by, ms", *HEAD)
+    print("|---|" + 5 * "--:|", flush=True)
+    for movement in MOVEMENTS:
+        records = recordings_of(arguments, movement, cohort="anyone")
+        for ms in LATE_MS:
+            found = [judged(record, TRACKER_HZ, CELL_HZ, i, 1e-3 * ms) for i, record in enumerate(records)]
+            row(movement, ms, *_figures(found))
+
+
+TABLES = {"rates": rates, "people": people, "late": late}
 
 
 def main() -> None:

@@ -15,13 +15,13 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_880,
-    "lines of everything else": 13_244,
+    "lines that README's commands load": 34_883,
+    "lines of everything else": 13_259,
     "lines that a step loads": 12_656,
     "lines that eval compare loads": 21_623,
-    "lines": 48_124,
+    "lines": 48_142,
     "files": 440,
-    "functions": 2_778,
+    "functions": 2_779,
 }
 STEP = """
 import gymnasium, jawenv
