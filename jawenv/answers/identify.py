@@ -28,6 +28,9 @@ from jawenv.recordings.table import RecordTable, checked_path, read_table
 from jawenv.recordings.untold.learnt import Learnt, identified_with_errors
 from jawenv.recordings.words import WORDS
 
+APART = 1.5
+"""Temperature from which parts of a recording disagree so much that other axes are tried."""
+
 if TYPE_CHECKING:
     from jawenv.answers.stretcher import StretcherAnswer
 
@@ -110,14 +113,15 @@ def _is_log(table: RecordTable, columns: Path | None) -> bool:
 def _identified(
     table: RecordTable, record: Record, reading: dict[str, Any]
 ) -> tuple[Record, Identification, Learnt | None]:
-    """The recording and its identification; by its motion where that shows a size, or where else it is not believed."""
+    """The recording and its identification; by its motion where that shows a size, or where else it does not fit."""
     found, learnt = identified_with_errors(record)
     if found.believable and (learnt is None or learnt.usual):
         return record, found, learnt
     own = by_its_motion(table, record, **reading)
-    if own is not None and (size_in(own.jaw) != 1.0 or not found.believable):
+    fits = found.believable and found.temperature < APART
+    if own is not None and (size_in(own.jaw) != 1.0 or not fits):
         again, errors = identified_with_errors(own)
-        if again.believable:
+        if again.believable and (not found.believable or size_in(own.jaw) != 1.0 or again.temperature < APART):
             return own, again, errors
     return record, found, learnt
 
