@@ -15,6 +15,8 @@ from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
 
 OPENINGS_MM = (10.0, 20.0, 30.0)
+LEVER_SD = 0.01
+"""Sd of a line's growth with the opening where ends are as a scan leaves them: that of temporalis changes its sign."""
 _ROWS, _STEPS, _FEWEST = 60, 61, 3
 
 
@@ -28,16 +30,18 @@ class Tension(NamedTuple):
     stiffness_sd_N_mm: float
 
 
-def tensions_of(record: Record, log_mean: Array, log_cov: Array) -> dict[str, list[Tension]]:
+def tensions_of(record: Record, log_mean: Array, log_cov: Array, lever_sd: float = 0.0) -> dict[str, list[Tension]]:
     """Forces of each muscle, ``left``, ``right`` and ``all`` at ``OPENINGS_MM``, as far as the recording went.
 
     The force at the incisors does the work of the muscle's: its tension times the line's growth with the opening
-    (virtual work). Error bars are those of the belief, carried on linearly; beyond the largest opening nothing is said.
+    (virtual work). Error bars are those of belief and growth, carried on linearly; beyond the largest opening nothing
+    is said.
 
     Args:
         record: of the jaw that was believed.
         log_mean: (p,) natural logs of F_o and b.
         log_cov: (p, p) their covariance.
+        lever_sd: sd of each line's growth, see ``LEVER_SD``.
     """
     opening, strain, growth = _along_the_way(record)
     asked = [] if len(opening) < _FEWEST else [mm for mm in OPENINGS_MM if mm <= 1e3 * opening.max()]
@@ -53,9 +57,10 @@ def tensions_of(record: Record, log_mean: Array, log_cov: Array) -> dict[str, li
     for group, members in groups.items():
         chosen = np.repeat(members, 2)
         found[group] = []
-        for mm, (values, gradients) in zip(asked, by_log, strict=True):
+        for mm, (values, gradients, pulls) in zip(asked, by_log, strict=True):
             rows = gradients * chosen
-            sds = np.sqrt(np.einsum("ki,ij,kj->k", rows, log_cov, rows))
+            of_levers = lever_sd**2 * np.square(pulls[:, members]).sum(axis=1)
+            sds = np.sqrt(np.einsum("ki,ij,kj->k", rows, log_cov, rows) + of_levers)
             force, stiffness = values[:, members].sum(axis=1)
             found[group].append(Tension(mm, float(force), float(sds[0]), float(stiffness), float(sds[1])))
     return found
@@ -86,21 +91,28 @@ def _along_the_way(record: Record) -> tuple[Array, Array, Array]:
 
 def _by_parameters(
     at: float, opening: Array, strain: Array, growth: Array, log_mean: Array, muscle: Array
-) -> tuple[Array, Array]:
-    """Force, N, and stiffness, N/mm, (2, M) of each muscle at an opening, m; their derivatives (2, p) by the logs."""
+) -> tuple[Array, Array, Array]:
+    """Force, N, and stiffness, N/mm, (2, M) of each muscle at an opening, m; their derivatives (2, p) by the logs.
+
+    Behind these both of the muscle's tension itself, (2, M).
+    """
     F_o, b = np.exp(log_mean.reshape(-1, 2)[muscle]).T
-    pulled = F_o * np.exp(b * strain) * growth
+    tension = F_o * np.exp(b * strain)
+    pulled = tension * growth
     steeper = b * strain * pulled  # by log b
     count = len(log_mean) // 2
-    values, gradients = np.zeros((2, count)), np.zeros((2, len(log_mean)))
+    values, gradients, pulls = np.zeros((2, count)), np.zeros((2, len(log_mean))), np.zeros((2, count))
     for row, scale in ((0, 1.0), (1, 1e-3)):
-        curves = (pulled, steeper) if row == 0 else tuple(np.gradient(c, opening, axis=0) for c in (pulled, steeper))
+        curves = [pulled, steeper, tension]
+        if row == 1:
+            curves = [np.gradient(curve, opening, axis=0) for curve in curves]
         for line, owner in enumerate(muscle):
-            force, by_b = (scale * float(np.interp(at, opening, curve[:, line])) for curve in curves)
+            force, by_b, pull = (scale * float(np.interp(at, opening, curve[:, line])) for curve in curves)
             values[row, owner] += force
+            pulls[row, owner] += pull
             gradients[row, 2 * owner] += force
             gradients[row, 2 * owner + 1] += by_b
-    return values, gradients
+    return values, gradients, pulls
 
 
 def in_words(found: dict[str, list[Tension]]) -> list[str]:

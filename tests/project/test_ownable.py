@@ -15,11 +15,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_886,
+    "lines that README's commands load": 34_900,
     "lines of everything else": 13_259,
     "lines that a step loads": 12_656,
     "lines that eval compare loads": 21_623,
-    "lines": 48_145,
+    "lines": 48_159,
     "files": 440,
     "functions": 2_779,
 }

@@ -87,3 +87,7 @@ def test_forces_at_the_incisors_do_the_work_that_the_muscles_store():
     by_log = tensions_of(record, moved, alone)["all"][0].force_N - found["all"][0].force_N
     sd = tensions_of(record, record.truth, alone)["all"][0].force_sd_N
     assert sd == pytest.approx(abs(by_log) / step, rel=1e-3)
+    levers = tensions_of(record, record.truth, np.zeros((12, 12)), lever_sd=0.02)["temporalis_left"][0]
+    pull = np.interp(0.01, opening, F_o[1] * np.exp(b[1] * strain[:, 1]))
+    assert record.parameter_names[2] == "log_F_o/temporalis_left" and list(record.jaw["muscle"][:2]) == [0, 1]
+    assert levers.force_sd_N == pytest.approx(0.02 * pull, rel=1e-3)
