@@ -9,7 +9,7 @@ from weakref import WeakSet
 from numba.core.dispatcher import _FunctionCompiler
 
 from jawenv.kernels.cache import KernelCache
-from jawenv.kernels.linked import LinkedCompiler
+from jawenv.kernels.compiler import LinkedCompiler
 
 _PARENT = os.getpid()
 _compile_here, _save = _FunctionCompiler._compile_core, KernelCache.save_overload

@@ -12,7 +12,7 @@ from newton_euler import measurement
 from numpy_model import mean_readings, measurement_with_derivative, step_with_derivative, trends
 
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.model.joint_step import N_NOISE
+from jawenv.filter.model.motion_step import N_NOISE
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.recordings.estimate import Estimate
 from jawenv.references import initial

@@ -8,7 +8,7 @@ import newton_euler
 import numpy as np
 from newton_euler import IMAGINARY_STEP
 
-from jawenv.filter.model.joint_step import N_NOISE
+from jawenv.filter.model.motion_step import N_NOISE
 from jawenv.filter.readings.cell_trend import TREND_TIME
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.stiffness import LARGEST_PHASE, MOST_PARTS

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from jawenv.analysis.path import MotionPath, path_of
 from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import JointScratch, predict_covariance, take_rows
+from jawenv.filter.bound.joint_step import propagate
 from jawenv.filter.model.encoders import measure
-from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH

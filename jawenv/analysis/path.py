@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
-from jawenv.filter.model.joint_step import set_muscles
+from jawenv.filter.model.motion_step import set_muscles
 from jawenv.kernels.records import record_zeros
 from jawenv.recordings.record import Record
 
@@ -51,7 +51,7 @@ def path_of(record: Record, parameters: Array | None = None) -> MotionPath:
     jaw, motion = record.jaw, record.states.shape[1]
     scratch = record_zeros(1, joint_scratch_dtype(size // 2, len(jaw["muscle"]), motion))[0]
     muscles = np.zeros((len(jaw["muscle"]), 2))
-    set_muscles(jaw, values, 0, muscles)
+    set_muscles(jaw, values, muscles)
     return MotionPath(
         jaw=jaw,
         muscles=muscles,

@@ -7,13 +7,14 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.alarm.drift import keep_belief
-from jawenv.filter.alarm.misfit import move_block, set_misfit
+from jawenv.filter.alarm.drift import judge_drift, keep_belief
+from jawenv.filter.alarm.misfit import move_block
 from jawenv.filter.belief.posterior import PosteriorScratch, posterior_dtype, update_belief
 from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.belief.state import FARTHEST, Belief, FilterSettings, tension_columns
 from jawenv.filter.model.basis import N_NODES, set_coefficients
 from jawenv.filter.nuisances.if_any import move_nuisances
+from jawenv.kernels.cholesky import solve_decomposed
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 
@@ -25,6 +26,7 @@ class LearnScratch:
     after: Annotated[Array, "muscles", N_NODES]
     row: Annotated[Array, "columns"]
     carried: Annotated[Array, N_NODES, N_NODES]
+    step: Annotated[Array, "parameters"]
 
 
 @cache
@@ -35,6 +37,7 @@ def learn_scratch_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.voi
         posterior=posterior_dtype(n_muscles, n_nuisances),
         muscles=n_muscles,
         columns=tension_columns(n_muscles, n_nuisances),
+        parameters=2 * n_muscles,
     )
 
 
@@ -88,28 +91,12 @@ def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
 
 
 @njit
-def solve_decomposed(factor, right):
-    """``right`` (n) <- (L L^T)^-1 ``right``, with L as ``linalg.decompose`` leaves it."""
-    size = right.shape[0]
-    for i in range(size):
-        value = right[i]
-        for k in range(i):
-            value -= factor[i, k] * right[k]
-        right[i] = value * factor[i, i]
-    for i in range(size - 1, -1, -1):
-        value = right[i]
-        for k in range(i + 1, size):
-            value -= factor[k, i] * right[k]
-        right[i] = value * factor[i, i]
-
-
-@njit
 def learn(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     """The belief about the parameters from all information so far; motion and score move to its mean."""
     update_belief(belief, settings, scratch.posterior)
     recentre(belief, settings, scratch)
     refocus(belief, scratch)
-    set_misfit(belief)
+    judge_drift(belief, scratch.step)
 
 
 @njit
@@ -132,4 +119,4 @@ def conclude(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     if update_belief(belief, settings, scratch.posterior):
         set_steps(belief, scratch)
         belief.steps[:] = scratch.row
-    set_misfit(belief)
+    judge_drift(belief, scratch.step)

@@ -11,9 +11,9 @@ from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
+from jawenv.filter.model.basis import build_basis
 from jawenv.filter.readings import least_noise
 from jawenv.filter.readings.screening import rough_change
-from jawenv.filter.tick import set_prior
 from jawenv.mechanics.dynamics import N_WRENCH
 
 PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 1e-3, 0.0175, 1e-3, 0.01  # 1 mm, 1 degree, 1 mm/s, 0.01 rad/s
@@ -121,7 +121,8 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
     settings["start_sd"][: len(start_sd)] = start_sd
     settings["cell_repeats"] = least_noise.cell_repeats(noise.cell_sd)
     settings["rough"] = rough_change(noise.cell_sd, noise.dt)
-    set_prior(settings, geometry.jaw, geometry.prior)
+    settings["basis"] = build_basis(geometry.jaw, geometry.prior)[0]
+    settings["prior_mean"], settings["prior_sd"] = geometry.prior.mean, geometry.prior.sd
     if geometry.sds:
         from jawenv.filter.nuisances.known_within import write_nuisances
 

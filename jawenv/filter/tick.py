@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from functools import cache
 from math import sqrt
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,11 +34,10 @@ from numpy.typing import NDArray
 from jawenv.filter.alarm.drift import is_due
 from jawenv.filter.alarm.misfit import add_to_block
 from jawenv.filter.belief.refocus import refocus
-from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_drift, begin_motion, forget_readings
+from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings
 from jawenv.filter.learn import LearnScratch, conclude, keep_passing, learn, learn_scratch_dtype, recentre
-from jawenv.filter.model.basis import build_basis
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.model.motion_step import N_SAMPLES
 from jawenv.filter.nuisances.if_any import all_known, begin_jaw, correct_readings, follow_friction
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.lasting import add_lasting_noise, weight_of_stay
@@ -106,12 +105,6 @@ def filter_scratch_dtype(
     )
 
 
-def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
-    """Write ``prior`` and the basis of tensions that spans it into ``settings``."""
-    settings["basis"] = build_basis(jaw, prior)[0]
-    settings["prior_mean"], settings["prior_sd"] = prior.mean, prior.sd
-
-
 @njit
 def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
     """Initialise the filter with the prior and the mean ``motion`` (n) before the first reading."""
@@ -120,7 +113,7 @@ def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
     begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
     for k in range(belief.nuisance_factor.shape[0] - belief.nuisances.shape[0]):
         belief.nuisance_factor[k, k] = sqrt(settings.gain_variance)
-    belief.gated = belief.replayed = 0
+    belief.replayed = 0
 
 
 def _jaw_at_mean(jaw: Jaw, belief: Belief):
@@ -229,7 +222,7 @@ def _return_to(belief: Belief, kept: Belief, settings: FilterSettings, scratch: 
         if belief.replayed == 0 or belief.cov[i, i] > NEAR_SD * NEAR_SD:
             return 0
     first = belief.replayed + 1
-    kept.mean[:], kept.cov[:, :], kept.gated = belief.mean, belief.cov, belief.gated
+    kept.mean[:], kept.cov[:, :] = belief.mean, belief.cov
     kept.replayed_at[:] = belief.replayed_at
     copy_record(belief, kept)
     recentre(belief, settings, scratch.belief)
@@ -248,7 +241,7 @@ def replay(jaw: Jaw, beliefs, rows, tick, settings: FilterSettings, scratch: Fil
     """Filter rows up to ``tick`` again, linearised at the present mean of the parameters.
 
     The first pass was linearised at earlier means. The information about the tensions hardly depends on them, but the
-    filtered motion does. What the gate refuses is counted in the first pass alone.
+    filtered motion does.
     """
     belief, kept = beliefs
     belief.replayed_at[:] = belief.mean
@@ -257,7 +250,6 @@ def replay(jaw: Jaw, beliefs, rows, tick, settings: FilterSettings, scratch: Fil
     if first == 0:
         begin_motion(belief, belief.began, settings.start_sd)
         forget_readings(belief)
-        begin_drift(belief.drift)
     for k in range(first, tick + 1):
         measured, samples = read_row(rows[k], scratch)
         take_readings(jaw, belief, measured, samples, k, settings, scratch)
@@ -268,7 +260,7 @@ def replay(jaw: Jaw, beliefs, rows, tick, settings: FilterSettings, scratch: Fil
 
 @njit_within
 def filter_tick(jaw: Jaw, beliefs, rows, tick, measured, samples, settings: FilterSettings, scratch: FilterScratch):
-    """One tick of the filter. Returns how many readings were left out.
+    """One tick of the filter. Returns how many readings were left out, and whether the gate refused the others.
 
     The belief is renewed where a window of readings ends, and where the parameters' uncertainty alone explains what was
     read: the motion is linearised about a belief that is far from the truth.
@@ -286,10 +278,9 @@ def filter_tick(jaw: Jaw, beliefs, rows, tick, measured, samples, settings: Filt
     belief, kept = beliefs
     before = belief.readings
     left_out = take_readings(jaw, belief, measured, samples, tick, settings, scratch)
+    refused = scratch.verdict == REFUSED
     if settings.motion_only:
-        return left_out
-    if scratch.verdict == REFUSED:
-        belief.gated += 1
+        return left_out, False
     if belief.readings > before and tick <= min(LAST_WINDOW, rows.shape[0] - 1) and ends_window(belief):
         learn(belief, settings, scratch.belief)
         if has_moved(belief):
@@ -298,4 +289,4 @@ def filter_tick(jaw: Jaw, beliefs, rows, tick, measured, samples, settings: Filt
             _keep(belief, kept)
     elif scratch.verdict == SURPRISING:
         learn(belief, settings, scratch.belief)
-    return left_out
+    return left_out, refused

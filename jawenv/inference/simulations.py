@@ -18,7 +18,7 @@ from jawenv.envs.configuration import Configuration
 from jawenv.envs.episode_seeds import checked_seed, episode_keys
 from jawenv.envs.simulation import Simulation
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.model.motion_step import N_SAMPLES
 from jawenv.inference.settings import DEFAULT_ENV, Array, Mask, configuration_of, log_parameters, patient_of
 from jawenv.inference.treatable import begins
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -38,12 +38,13 @@ from platformdirs import user_cache_dir
 
 from jawenv.base.errors import InputError, reason_of
 from jawenv.base.files import atomic_write
-from jawenv.kernels.linked import reading_linked
+from jawenv.kernels.compiler import reading_linked
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
 MADE_OF = "made_of"  # attribute of a kernel's part: the functions that it stands for, and names of ``APART``
 APART = frozenset(
     {
+        "jawenv.filter.bound.with_nuisances",
         "jawenv.filter.nuisances.changed_jaw",
         "jawenv.filter.nuisances.changes",
         "jawenv.filter.nuisances.without_cell",
@@ -233,7 +234,7 @@ class KernelCache:
 
     Args:
         function: the kernel's.
-        linked: whether it is a kernel that only other kernels call (``linked``).
+        linked: whether it is a kernel that only other kernels call (``compiler``).
     """
 
     def __init__(self, function: FunctionType, linked: bool = False) -> None:

@@ -19,8 +19,7 @@ from numba.np.ufunc import parallel
 
 from jawenv.base.errors import InputError
 from jawenv.kernels.cache import MADE_OF, OPTIONS, KernelCache, kernel_folder, one_process, prune_cache
-from jawenv.kernels.linked import LinkedCompiler
-from jawenv.kernels.quick import KNOWN, quickly
+from jawenv.kernels.compiler import KNOWN, LinkedCompiler, quickly
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -49,7 +48,7 @@ LINKS = KNOWN
 class Kernel:
     """A kernel in two forms, one for other kernels and one for Python, each compiled at its first use.
 
-    What kernels call is linked into them (``linked``); what Python calls is machine code with an entry for Python. An
+    What kernels call is linked into them (``compiler``); what Python calls is machine code with an entry for Python. An
     error that such a kernel raises has no values in its message: Numba keeps these with machine code.
     """
 

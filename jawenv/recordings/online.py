@@ -15,7 +15,7 @@ from jawenv.envs.world.kept_ticks import keep_reading
 from jawenv.filter.belief.state import FilterSettings, belief_dtype, filter_settings_dtype
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.model.motion_step import N_SAMPLES
 from jawenv.filter.settled import settled
 from jawenv.filter.tick import (
     LAST_WINDOW,
@@ -247,21 +247,15 @@ class OnlineFilter:
         """Begin with the prior of the parameters, and mean and sd (n) of the motion."""
         self._settings["start_sd"][: self._states] = sd
         begin_filter(self._jaw, self._belief, mean, self._settings)
+        self._gated = 0
 
     def _take(self) -> int:
         """Filter the readings in ``_measured`` and ``_samples``; returns how many were left out."""
-        return int(
-            take_tick(
-                self._jaw,
-                (self._belief, self._kept),
-                self._rows,
-                (self._tick, self._every),
-                self._measured,
-                self._samples,
-                self._settings,
-                self._scratch,
-            )
-        )
+        beliefs, clock = (self._belief, self._kept), (self._tick, self._every)
+        read = self._measured, self._samples
+        left_out, refused = take_tick(self._jaw, beliefs, self._rows, clock, *read, self._settings, self._scratch)
+        self._gated += int(refused)
+        return int(left_out)
 
     def _present_belief(self, left_out: int) -> OnlineBelief:
         """A copy of the present belief."""
@@ -273,7 +267,7 @@ class OnlineFilter:
             belief["mean"].copy(),
             belief["cov"].copy(),
             float(belief["misfit"]),
-            int(belief["gated"]),
+            self._gated,
             left_out,
             int(belief["readings"]),
             bool(settled(moved, sd, belief["readings"] * self.tick_s)),
@@ -296,7 +290,7 @@ def take_tick(jaw: Jaw, beliefs, rows, clock, measured, samples, settings: Filte
     """One tick as in an environment; ``clock`` is its number and the ticks from one belief to the next."""
     tick, every = clock
     keep_reading(tick, measured, samples, settings.used, rows)
-    left_out = filter_tick(jaw, beliefs, rows, tick, measured, samples, settings, scratch)
+    left_out, refused = filter_tick(jaw, beliefs, rows, tick, measured, samples, settings, scratch)
     if tick > 0 and tick % every == 0:
         conclude(beliefs[0], settings, scratch.belief)
-    return left_out
+    return left_out, refused

@@ -15,7 +15,7 @@ from jawenv.controls import CONTROLS, Control
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import FORCE_SENSORS, ForceSensor
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.model.motion_step import N_SAMPLES
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
 Array = NDArray[np.float64]

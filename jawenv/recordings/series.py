@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
-from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.model.motion_step import N_SAMPLES
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.recordings.checks import has_any
 from jawenv.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, Column

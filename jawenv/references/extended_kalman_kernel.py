@@ -18,8 +18,9 @@ from jawenv.filter.bound.joint_recursion import (
     predict_covariance,
     set_noise_variance,
 )
+from jawenv.filter.bound.joint_step import propagate
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
-from jawenv.filter.model.joint_step import propagate, set_muscles
+from jawenv.filter.model.motion_step import set_muscles
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
@@ -63,7 +64,7 @@ def predict_plain(problem: Problem, tick, mean, covariance, trend, scratch: Join
     logs = np.empty(floor.shape[0])
     for j in range(logs.shape[0]):
         logs[j] = log(max(mean[first + j], floor[j])) if linear else mean[first + j]
-    set_muscles(problem.jaw, logs, 0, scratch.muscles)
+    set_muscles(problem.jaw, logs, scratch.muscles)
     propagate(problem.jaw, scratch.muscles, mean, samples, trend, mean[gain], problem.dt, scratch)
     if linear:
         for j in range(logs.shape[0]):

@@ -9,8 +9,8 @@ from numpy_model import parts_needed as independent_parts
 from numpy_model import step_with_derivative
 
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
+from jawenv.filter.bound.joint_step import propagate
 from jawenv.filter.model.encoders import measure
-from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import TREND_TIME, follow_trend
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 

@@ -6,7 +6,7 @@ from recorded import recording
 from running import Running
 from scipy.stats import chi2
 
-from jawenv.filter.alarm.misfit import ALARM, BLOCK, FEWEST, MARGIN, MOST, add_to_block, move_block, set_misfit
+from jawenv.filter.alarm.misfit import ALARM, BLOCK, FEWEST, MARGIN, MOST, add_to_block, move_block
 from jawenv.filter.belief.state import begin_block
 
 
@@ -53,25 +53,22 @@ def test_it_is_the_sum_that_counts_and_the_largest_that_stays(running):
 def test_one_block_may_be_of_a_stop_and_two_ring(running):
     constant = np.full((BLOCK, 12), 1.0)
     feed(running, constant)
-    set_misfit(running.belief)
     assert running.belief["block"]["largest"] > 1.0 and running.belief["misfit"] == 0.0
     feed(running, 2.0 * constant)
-    set_misfit(running.belief)
     assert running.belief["misfit"] == pytest.approx(12 * BLOCK / ALARM)
 
 
 @pytest.mark.parametrize("rate", [0.0, 1.0], ids=["slow", "fast"])
 def test_a_little_in_each_second_rings_where_the_jaw_is_slow(running, rate):
     running.belief["motion"][5:] = rate
-    running.belief["block"]["slow"], running.belief["block"]["total"], running.belief["block"]["level"] = 0, 0.0, 0.0
+    running.belief["block"]["slow"], running.belief["block"]["total"], running.belief["misfit"] = 0, 0.0, 0.0
     row = np.full((BLOCK, 12), np.sqrt(16.0 / 12 / BLOCK))
     for blocks in range(1, FEWEST + 1):
-        assert running.belief["block"]["level"] == 0.0
+        assert running.belief["misfit"] == pytest.approx(16.0 / ALARM if blocks > 2 else 0.0)
         feed(running, row if blocks > 1 else 10.0 * row)
-    set_misfit(running.belief)
     mean = (MOST + (FEWEST - 1) * 16.0) / FEWEST
-    expected = mean / (12 + MARGIN * np.sqrt(24.0 / FEWEST)) if rate == 0.0 else 0.0
-    assert running.belief["block"]["level"] == pytest.approx(expected)
+    expected = mean / (12 + MARGIN * np.sqrt(24.0 / FEWEST)) if rate == 0.0 else 16.0 / ALARM
+    assert running.belief["misfit"] == pytest.approx(expected)
     assert (running.belief["misfit"] > 1.0) == (rate == 0.0)
 
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from jawenv.filter.model.motion_step import predict_cov
 from jawenv.filter.tick import take
-from jawenv.filter.updates.time_update import predict_cov
 from jawenv.kernels import cache
 from tests.processes import python
 

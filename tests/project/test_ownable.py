@@ -15,13 +15,13 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_900,
-    "lines of everything else": 13_259,
-    "lines that a step loads": 12_656,
-    "lines that eval compare loads": 21_623,
-    "lines": 48_159,
+    "lines that README's commands load": 34_780,
+    "lines of everything else": 13_308,
+    "lines that a step loads": 12_461,
+    "lines that eval compare loads": 21_039,
+    "lines": 48_088,
     "files": 440,
-    "functions": 2_779,
+    "functions": 2_773,
 }
 STEP = """
 import gymnasium, jawenv

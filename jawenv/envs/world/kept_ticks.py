@@ -9,7 +9,7 @@ import numpy as np
 
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.world.record import Truth
-from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.model.motion_step import N_SAMPLES
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -24,7 +24,7 @@ from jawenv.envs.observation import OBSERVATION_REST as _REST
 from jawenv.envs.world.record import Control, Known, Seeing
 from jawenv.envs.world.tracking import size_of
 from jawenv.filter.belief.state import FilterSettings
-from jawenv.filter.model.joint_step import set_muscles
+from jawenv.filter.model.motion_step import set_muscles
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
@@ -92,7 +92,7 @@ def observe_world(
             _, _, position, _ = motor_point(device, model, i, body_to_head, point, velocity, (u[2], u[3], u[4]))
             target = (known.motors.target[i] - position) / TARGET_SCALE
         sensed[_TARGET + i] = _bounded(target)
-    set_muscles(model, known.belief.mean, 0, scratch.muscles)
+    set_muscles(model, known.belief.mean, scratch.muscles)
     force = sqrt(known.reading[0] ** 2 + known.reading[1] ** 2 + known.reading[2] ** 2)
     set_tension_limits(model, scratch.muscles, limits, scratch.tension_limits)
     used_fractions(model, scratch.muscles, limits, scratch.tension_limits, (q, u, ON_PATH), force, scratch.fractions)

@@ -21,7 +21,7 @@ from jawenv.filter.belief.state import (
     joint_size,
 )
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.model.joint_step import N_NOISE, N_SAMPLES
+from jawenv.filter.model.motion_step import N_NOISE, N_SAMPLES
 from jawenv.filter.tick import FilterScratch
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_STATES

@@ -16,7 +16,7 @@ from jawenv.envs.world.plants import lift_of
 from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.envs.world.step_kernel import REALITY_TICK, START_TICK, Shared, clear_step
 from jawenv.filter.model.encoders import measure
-from jawenv.filter.model.joint_step import set_muscles
+from jawenv.filter.model.motion_step import set_muscles
 from jawenv.filter.tick import begin_filter
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
@@ -184,7 +184,7 @@ def begin_device(device: DeviceRecord, model: Jaw, world: World, settings: Setti
 def _begin_world(device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, beginning):
     """Put one world at rest; False when the device cannot treat its patient."""
     truth, limits = world.truth, world.known.limits
-    set_muscles(truth.jaw, truth.log_parameters, 0, truth.muscles)
+    set_muscles(truth.jaw, truth.log_parameters, truth.muscles)
     truth.state[:] = 0.0
     truth.state[0] = 3e-3 if truth.jaw.free_x else 0.0
     truth.state[2] = 0.05

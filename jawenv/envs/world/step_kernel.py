@@ -26,7 +26,7 @@ from jawenv.envs.world.record import Known, Scratch, Settings, Truth, World, see
 from jawenv.envs.world.tracking import aim, follow, move_targets
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import measure
-from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.model.motion_step import N_SAMPLES
 from jawenv.filter.nuisances.turned import add_offset, turn_readings, turn_wrench
 from jawenv.filter.readings.cell_trend import mean_force, mean_reading
 from jawenv.filter.tick import filter_scratch_dtype, filter_tick
@@ -188,14 +188,13 @@ def end_tick(device: DeviceRecord, model: Jaw, world: World, settings: Settings,
 def read(model: Jaw, known: Known, settings: Settings, scratch: Scratch, ticks):
     """The filter takes the readings in ``scratch``, which are kept in ``ticks``."""
     measured, samples = scratch.measured, scratch.samples
-    belief, gated = known.belief, known.belief.gated
     keep_reading(known.tick, measured, samples, settings.filter.used, ticks)
-    beliefs, tick = (belief, known.kept), known.tick
-    left_out = filter_tick(model, beliefs, ticks, tick, measured, samples, settings.filter, scratch.filter)
+    beliefs, tick = (known.belief, known.kept), known.tick
+    left_out, refused = filter_tick(model, beliefs, ticks, tick, measured, samples, settings.filter, scratch.filter)
     if known.tick > 0:
         share = 1.0 / settings.control.ticks_per_step
         known.left_out += share * left_out / settings.channels
-        known.gated += share * (belief.gated - gated)
+        known.gated += share * refused
         for k in range(6):
             known.reading[k] = mean_reading(scratch.filter.samples, k)
 

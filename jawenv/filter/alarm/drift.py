@@ -5,9 +5,10 @@ read in between is new (the martingale of Bayesian updating). So (m_t - m_s)^T P
 of p, the number of parameters. Tissue that creeps, a disturbance that lasts and a filter that is lost take the belief
 along, by many of the sds that it stated, while every reading by itself looks well explained.
 
-The belief is kept after 100, 200, 400 ... readings, and each later one is judged by all that are kept. ``largest`` is
-the largest statistic so far over ``threshold``. Where readings are filtered again, what is kept is renewed with them: a
-belief that was linearised far from the truth claims what is not so, and the filter has given it up.
+The belief is kept after 100, 200, 400 ... readings, and each later one is judged by all that are kept. The largest
+statistic so far, over ``threshold``, goes into the alarm, ``misfit``. Where readings are filtered again, what is kept
+is renewed with them: a belief that was linearised far from the truth claims what is not so, and the filter has given it
+up.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 from math import sqrt
 
 from jawenv.filter.belief.state import KEPT, Belief, Drift
+from jawenv.kernels.cholesky import solve_lower
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 
@@ -29,27 +31,30 @@ def threshold(parameters):
 
 
 @njit
-def _squared_distance(drift: Drift, k, mean):
-    """(m - m_k)^T P_k^-1 (m - m_k)."""
+def _squared_distance(drift: Drift, k, mean, step):
+    """(m - m_k)^T P_k^-1 (m - m_k); ``step`` (p) is working memory."""
+    for i in range(mean.shape[0]):
+        step[i] = mean[i] - drift.means[k, i]
+    solve_lower(drift.factors[k], step)
     total = 0.0
     for i in range(mean.shape[0]):
-        value = mean[i] - drift.means[k, i]
-        for j in range(i):
-            value -= drift.factors[k, i, j] * drift.step[j]
-        drift.step[i] = value * drift.factors[k, i, i]
-        total += drift.step[i] * drift.step[i]
+        total += step[i] * step[i]
     return total
 
 
 @njit
-def judge_drift(belief: Belief):
-    """Judge the belief by the kept ones, where enough was read since the last time, and keep it in its turn."""
+def judge_drift(belief: Belief, step):
+    """Judge the belief by the kept ones, where enough was read since the last time, and keep it in its turn.
+
+    ``step`` (p) is working memory.
+    """
     drift = belief.drift
     if belief.readings < drift.judged + EVERY:
         return
     drift.judged = belief.readings
     for k in range(drift.kept):
-        drift.largest = max(drift.largest, _squared_distance(drift, k, belief.mean) / threshold(belief.mean.shape[0]))
+        statistic = _squared_distance(drift, k, belief.mean, step)
+        belief.misfit = max(belief.misfit, statistic / threshold(belief.mean.shape[0]))
     if is_due(belief):
         keep_belief(belief)
 

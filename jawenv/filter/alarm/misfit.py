@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-from jawenv.filter.alarm.drift import judge_drift
 from jawenv.filter.belief.state import Belief, Block, begin_block
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.readings.lasting import speed_of
@@ -60,7 +59,7 @@ def move_block(block: Block, steps):
 
 @njit
 def _judge_block(belief: Belief, scratch: UpdateScratch):
-    """Keep the two largest misfits of blocks."""
+    """Let ``misfit`` be at least the second largest of the blocks, and keep the largest."""
     block, share = belief.block, 1.0 / sqrt(BLOCK)
     move_block(block, belief.steps)
     for i in range(N_MEASUREMENTS):
@@ -73,24 +72,18 @@ def _judge_block(belief: Belief, scratch: UpdateScratch):
     if decompose(scratch.factor):
         statistic = squared_length(scratch)
         misfit = statistic / ALARM
-        block.second = max(block.second, min(block.largest, misfit))
+        belief.misfit = max(belief.misfit, min(block.largest, misfit))
         block.largest = max(block.largest, misfit)
         if block.speed < 1.0:
-            _add_slow(block, min(statistic, MOST))
+            _add_slow(belief, min(statistic, MOST))
 
 
 @njit
-def _add_slow(block: Block, statistic):
+def _add_slow(belief: Belief, statistic):
     """Judge the mean of the slow blocks with one more of them."""
+    block = belief.block
     block.slow += 1
     block.total += statistic
     if block.slow >= FEWEST:
         limit = N_MEASUREMENTS + MARGIN * sqrt(2.0 * N_MEASUREMENTS / block.slow)
-        block.level = max(block.level, block.total / block.slow / limit)
-
-
-@njit
-def set_misfit(belief: Belief):
-    """Let ``misfit`` be the largest of the blocks', of the slow ones' mean and of the drift."""
-    judge_drift(belief)
-    belief.misfit = max(belief.block.second, belief.block.level, belief.drift.largest)
+        belief.misfit = max(belief.misfit, block.total / block.slow / limit)

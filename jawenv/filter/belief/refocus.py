@@ -13,7 +13,7 @@ from __future__ import annotations
 from math import exp, log, sqrt
 
 from jawenv.filter.belief.state import Belief, begin_block
-from jawenv.filter.model.basis import Basis, interpolate, polynomial_value, set_coefficients
+from jawenv.filter.model.basis import ABSCISSAE, Basis, interpolate, polynomial_value, set_coefficients
 from jawenv.kernels.compiled import njit
 
 NARROWEST = 0.1  # least sd of log b that the nodes span: below, the basis functions are collinear to rounding
@@ -45,7 +45,7 @@ def _place_nodes(basis: Basis, i, middle, width, carried):
     nodes = basis.nodes.shape[1]
     basis.middle[i], basis.width[i] = exp(middle), width
     for j in range(nodes):
-        node = exp(middle + width * basis.abscissae[j])
+        node = exp(middle + width * ABSCISSAE[j])
         for k in range(nodes):
             carried[k, j], _, _ = polynomial_value(basis.polynomials[i, k], node)
         basis.nodes[i, j] = node

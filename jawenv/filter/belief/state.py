@@ -25,7 +25,7 @@ from jawenv.filter.model.basis import N_NODES, Basis, basis_dtype, set_coefficie
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.motion_step import padded
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import Array, record_dtype
+from jawenv.kernels.records import Array, copy_record, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 
@@ -59,21 +59,17 @@ class Block:
     rows: Annotated[Array, N_MEASUREMENTS, "columns"]  # whitened rows by tension
     speed: float  # of the mouthpiece, over what is slow
     largest: float  # misfit of the blocks so far
-    second: float
     slow: int  # blocks in which the jaw was slow so far
     total: float  # their statistics
-    level: float  # misfit of their mean, the largest so far
 
 
 class Drift:
-    """The kept beliefs and the largest drift."""
+    """The kept beliefs, see ``drift``."""
 
     kept: int
     judged: int  # readings at the last judgement
     means: Annotated[Array, KEPT, "parameters"]
     factors: Annotated[Array, KEPT, "parameters", "parameters"]  # of the covariances, as ``decompose`` leaves them
-    step: Annotated[Array, "parameters"]
-    largest: float
 
 
 class _Stay:
@@ -108,7 +104,7 @@ class Belief:
     basis: Basis
     block: Block
     drift: Drift
-    misfit: float  # the alarm, see ``misfit``
+    misfit: float  # the alarm: the largest so far of what ``misfit`` and ``drift`` find
     steps: Annotated[Array, "columns"]  # coefficients, gain error and nuisances of the mean less those of the point
     point: Annotated[Array, "parameters"]  # natural logs about which motion and readings are linearised
     nominal: Annotated[Array, "muscles", N_NODES]  # c at ``point``
@@ -129,7 +125,6 @@ class Belief:
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     near: int  # the same, after teeth
     stay: _Stay
-    gated: int  # ticks whose innovation the gate rejected when they were read
     replayed: int  # the tick up to which readings were last filtered again; 0 for none
     sensors: Sensors
 
@@ -265,9 +260,7 @@ def begin_belief(basis: Basis, belief: Belief, log_parameters, prior_sd):
         belief.point[i] = log_parameters[i]
         belief.replayed_at[i] = log_parameters[i]
         belief.cov[i, i] = prior_sd[i] * prior_sd[i]
-    _copy_basis(belief.basis, basis)
-    begin_drift(belief.drift)
-    belief.misfit = 0.0
+    copy_record(belief.basis, basis)
     belief.nuisances[:] = 0.0
     belief.nuisances_replayed_at[:] = 0.0
     belief.nuisance_factor[:, :] = 0.0
@@ -277,35 +270,11 @@ def begin_belief(basis: Basis, belief: Belief, log_parameters, prior_sd):
 
 
 @njit
-def _copy_basis(target: Basis, source: Basis):
-    """Target = source."""
-    target.middle[:] = source.middle
-    target.width[:] = source.width
-    target.abscissae[:] = source.abscissae
-    target.nodes[:, :] = source.nodes
-    target.centre[:] = source.centre
-    target.polynomials[:, :, :] = source.polynomials
-
-
-@njit
 def begin_block(block: Block):
     """Sums of no tick."""
     block.ticks, block.speed = 0, 0.0
     block.innovation[:] = 0.0
     block.rows[:, :] = 0.0
-
-
-@njit
-def begin_drift(drift: Drift):
-    """Nothing is kept."""
-    drift.kept, drift.judged, drift.largest = 0, 0, 0.0
-
-
-@njit
-def _begin_stay(stay: _Stay):
-    """The jaw has been nowhere."""
-    stay.drift_rates[:] = 0.0
-    stay.visits[:], stay.visited = 0.0, 0.0
 
 
 @njit
@@ -322,7 +291,7 @@ def _begin_sensors(sensors: Sensors):
 
 @njit
 def forget_readings(belief: Belief):
-    """Discard all information and sensor history; motion and belief stay."""
+    """Discard all information, sensor history and kept beliefs; motion and belief stay."""
     belief.by_tension[:, :] = 0.0
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0
@@ -330,10 +299,11 @@ def forget_readings(belief: Belief):
     belief.trend[:] = 0.0
     belief.smoothed[:] = 0.0
     belief.friction_share[:] = 0.0
+    belief.drift.kept, belief.drift.judged = 0, 0
     begin_block(belief.block)
-    belief.block.largest, belief.block.second = 0.0, 0.0
-    belief.block.slow, belief.block.total, belief.block.level = 0, 0.0, 0.0
+    belief.block.largest, belief.block.slow, belief.block.total, belief.misfit = 0.0, 0, 0.0, 0.0
     belief.waits, belief.near, belief.readings, belief.refused = 0, 0, 0, 0
-    _begin_stay(belief.stay)
+    belief.stay.drift_rates[:] = 0.0
+    belief.stay.visits[:], belief.stay.visited = 0.0, 0.0
     _begin_sensors(belief.sensors)
     set_coefficients(belief.basis, belief.point, belief.nominal)

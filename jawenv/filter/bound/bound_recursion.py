@@ -4,8 +4,8 @@ State: motion (n); the unmodelled wrench where it has memory (6, ``disturbance``
 ``nuisances``); natural logs of F_o and b per muscle; the load cell's relative gain error (1). Where anatomy and device
 are known exactly and the wrench has no memory this is ``joint_recursion``'s own state.
 
-A nuisance is a constant with prior N(0, 1) that is estimated with the rest. It moves the motion through its wrench at
-the mouthpiece half way through the tick, and changes what the encoders read.
+A nuisance is a constant with prior N(0, 1) that is estimated with the rest (``with_nuisances``, which is loaded where
+there are some).
 """
 
 from __future__ import annotations
@@ -24,16 +24,17 @@ from jawenv.filter.bound.joint_recursion import (
     recursion_dtype,
     take_rows,
 )
+from jawenv.filter.bound.joint_step import propagate
 from jawenv.filter.model.encoders import measure
-from jawenv.filter.model.joint_step import propagate
-from jawenv.filter.model.regressors import middle_of
-from jawenv.filter.nuisances.changes import Midway, add_readings, middle_rates, set_wrenches
+from jawenv.filter.model.motion_step import N_NOISE
 from jawenv.filter.nuisances.if_any import NuisanceScratch, nuisance_scratch_dtype
-from jawenv.filter.readings.cell_trend import mean_reading
+from jawenv.filter.updates.disturbance import set_total
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
+
+_NUISANCES = "jawenv.filter.bound.with_nuisances"
 
 
 class BoundScratch:
@@ -89,30 +90,13 @@ def move_bound(jaw: Jaw, covariance, tick, settings: FilterSettings, noise_varia
     joint, recursion = scratch.joint, scratch.recursion
     joint.state[:] = before
     propagate(jaw, muscles, joint.state, wrench, trend, 0.0, settings.dt, joint)
-    _extend_total(joint.total, settings.disturbance_decay, first_parameter(covariance, settings), recursion.total)
+    first, parameter = joint.total.shape[0], first_parameter(covariance, settings)
+    wrench_column = joint.total.shape[1] - N_NOISE
+    set_total(joint.total, wrench_column, settings.disturbance_decay, parameter, recursion.total)
     _move_by_nuisances(jaw, muscles, (before, after, wrench, friction), settings, scratch)
     predict_covariance(covariance, noise_variance, recursion)
-    first = joint.total.shape[0]
     for k in range(settings.disturbance_variance.shape[0]):
         covariance[first + k, first + k] += settings.disturbance_variance[k]
-
-
-@njit
-def _extend_total(motion_total, decay, parameters, total):
-    """``total`` of all states from that of ``propagate``; ``parameters`` is the column of the first."""
-    n_states, moving = motion_total.shape[0], total.shape[0]
-    rest = motion_total.shape[1] - n_states  # parameters, gain and the wrench not known
-    wrench = motion_total.shape[1] - 2 * N_WRENCH
-    total[:, :] = 0.0
-    for i in range(n_states):
-        for j in range(n_states):
-            total[i, j] = motion_total[i, j]
-        for k in range(moving - n_states):
-            total[i, n_states + k] = motion_total[i, wrench + k]
-        for j in range(rest):
-            total[i, parameters + j] = motion_total[i, n_states + j]
-    for i in range(n_states, moving):
-        total[i, i] = decay
 
 
 @njit
@@ -128,39 +112,15 @@ def read_bound(jaw: Jaw, motion, covariance, used, settings: FilterSettings, scr
     take_rows(covariance, settings.measurement_variance, used, recursion)
 
 
-@where(lambda scratch: scratch.typeof("wrench").shape[1])
+def _none_unknown(scratch):
+    return not scratch.typeof("wrench").shape[1]
+
+
+@where(_none_unknown, otherwise=f"{_NUISANCES}.move_by_nuisances")
 def _move_by_nuisances(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: BoundScratch):
     """The effect of one sd of each nuisance on the motion at the tick's end, into its columns of the derivative."""
-    _add_columns(jaw, muscles, tick, settings, scratch)
 
 
-@njit
-def _add_columns(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: BoundScratch):
-    """``_move_by_nuisances`` where there are some."""
-    before, after, wrench, friction = tick
-    scratch.nuisances.friction_share[:] = friction
-    pose, _ = middle_of(jaw, before, after)
-    u, rate = middle_rates(before, after, settings.dt)
-    mean = (
-        mean_reading(wrench, 0),
-        mean_reading(wrench, 1),
-        mean_reading(wrench, 2),
-        mean_reading(wrench, 3),
-        mean_reading(wrench, 4),
-        mean_reading(wrench, 5),
-    )
-    at = Midway(pose, u, rate, mean, False)
-    set_wrenches(jaw, muscles, at, settings.nuisances, 0, scratch.wrench, scratch.nuisances)
-    total, by_wrench = scratch.recursion.total, scratch.joint.total
-    first, column = total.shape[0], by_wrench.shape[1] - 2 * N_WRENCH
-    for i in range(by_wrench.shape[0]):
-        for k in range(N_WRENCH):
-            for j in range(scratch.wrench.shape[1]):
-                total[i, first + j] += by_wrench[i, column + k] * scratch.wrench[k, j]
-
-
-@where(lambda scratch: scratch.typeof("wrench").shape[1])
+@where(_none_unknown, otherwise=f"{_NUISANCES}.read_by_nuisances")
 def _read_by_nuisances(jaw: Jaw, motion, used, settings: FilterSettings, scratch: BoundScratch):
     """The effect of one sd of each nuisance on the readings, into its columns of their derivative."""
-    first = scratch.recursion.total.shape[0]
-    add_readings(jaw, motion, settings.nuisances, used, first, scratch.recursion.rows, scratch.nuisances)

@@ -24,8 +24,9 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.filter.belief.state import joint_size
+from jawenv.filter.bound.joint_step import Sensitivity, copy_matrix
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.model.joint_step import N_NOISE, Sensitivity, copy_matrix
+from jawenv.filter.model.motion_step import N_NOISE, predict_cov
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
@@ -95,27 +96,11 @@ def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_
 def predict_covariance(covariance, noise_variance, scratch: Recursion):
     """P <- F P F^T + G W G^T, with F and G from ``scratch.total`` as left by ``propagate``.
 
-    ``noise_variance`` (12) is W's diagonal. The motion's block is one product: [F P, G W] times [F, G]^T.
+    ``noise_variance`` (12) is W's diagonal; ``covariance`` need be no field of a record.
     """
-    total, weighted, moved = scratch.total, scratch.weighted, scratch.moved_cov
-    size, columns, n_states = covariance.shape[0], total.shape[1], total.shape[0]
     copy_matrix(scratch.covariance, covariance)
-    multiply(total, scratch.covariance, moved)
-    for i in range(n_states):
-        for j in range(size):
-            weighted[i, j] = moved[i, j]
-        for k in range(size, columns):
-            weighted[i, k] = total[i, k] * noise_variance[k - size]
-        for k in range(columns):
-            scratch.turned[k, i] = total[i, k]
-    multiply(weighted, scratch.turned, scratch.next_cov)
-    for i in range(n_states):
-        for j in range(n_states):
-            # One of two numbers that differ by rounding, so that P stays symmetric.
-            covariance[i, j] = scratch.next_cov[max(i, j), min(i, j)]
-        for j in range(n_states, size):
-            covariance[i, j] = moved[i, j]
-            covariance[j, i] = moved[i, j]
+    predict_cov(scratch.covariance, noise_variance, scratch)
+    copy_matrix(covariance, scratch.covariance)
 
 
 @njit

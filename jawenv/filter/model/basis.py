@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import roots_hermitenorm
 
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype, record_zeros
@@ -30,6 +29,8 @@ if TYPE_CHECKING:
 
 # Reference pose of the strains, mid-range: 4 mm of sliding, 8 degrees of opening.
 MIDDLE_POSE = (4e-3, 0.0, 0.13, 0.0, 0.0)
+# Nodes of Gauss and Hermite's quadrature, of log b in sds.
+ABSCISSAE = (-2.8569700138728056, -1.3556261799742657, 0.0, 1.3556261799742657, 2.8569700138728056)
 N_NODES = 5  # per muscle: the remainder is 5e-5 of a tension for exponents of 7 that are known within 30 %
 
 
@@ -38,7 +39,6 @@ class Basis:
 
     middle: Annotated[Array, "muscles"]  # exponent about which the nodes lie
     width: Annotated[Array, "muscles"]  # sd of log b that they span
-    abscissae: Annotated[Array, N_NODES]  # of log b, in such sds
     nodes: Annotated[Array, "muscles", N_NODES]
     centre: Annotated[Array, "muscles"]
     polynomials: Annotated[Array, "muscles", N_NODES, N_NODES]  # L_k's coefficients, lowest power of b first
@@ -53,13 +53,12 @@ def basis_dtype(n_muscles: int) -> np.dtype[np.void]:
 def build_basis(jaw: Any, prior: Prior) -> NDArray[np.void]:
     """Basis for the muscles of ``jaw`` and the exponents that ``prior`` holds possible, as an array of one record.
 
-    The nodes are those of Gauss and Hermite's quadrature for log b: they interpolate best where the prior's weight is.
+    The nodes interpolate best where the prior's weight is.
     """
     mean, sd = prior.mean.reshape(-1, 2)[:, 1], prior.sd.reshape(-1, 2)[:, 1]
     basis = record_zeros(1, basis_dtype(len(mean)))
-    abscissae = roots_hermitenorm(N_NODES)[0]
-    basis["middle"][0], basis["width"][0], basis["abscissae"][0] = np.exp(mean), sd, abscissae
-    basis["nodes"][0] = np.exp(mean[:, None] + sd[:, None] * abscissae)
+    basis["middle"][0], basis["width"][0] = np.exp(mean), sd
+    basis["nodes"][0] = np.exp(mean[:, None] + sd[:, None] * np.array(ABSCISSAE))
     basis["centre"][0] = _middle_strains(jaw)
     for muscle in range(len(mean)):
         interpolate(basis["nodes"][0, muscle], basis["polynomials"][0, muscle])

@@ -23,20 +23,23 @@ def add_disturbance(belief: Belief, size, samples, driven):
 
 
 @njit
-def set_total(motion_total, decay, total):
-    """``total`` [A, G] of motion and disturbance, from that of the motion (n, n + 6)."""
+def set_total(motion_total, wrench, decay, first, total):
+    """``total``, the derivative of motion and disturbance by all states and inputs, from that of the motion (n rows).
+
+    Column ``wrench`` of ``motion_total`` is the first of a wrench constant over the tick, by which the disturbance acts
+    too; what stands behind the motion's states there goes to the columns from ``first`` on.
+    """
     size = motion_total.shape[0]
-    n_disturbance = total.shape[0] - size
+    total[:, :] = 0.0
     for i in range(size):
         for j in range(size):
             total[i, j] = motion_total[i, j]
-        for k in range(N_WRENCH):
-            total[i, size + n_disturbance + k] = motion_total[i, size + k]
-        for k in range(n_disturbance):
-            total[i, size + k] = motion_total[i, size + k]
-    for k in range(n_disturbance):
-        total[size + k, :] = 0.0
-        total[size + k, size + k] = decay
+        for k in range(total.shape[0] - size):
+            total[i, size + k] = motion_total[i, wrench + k]
+        for j in range(motion_total.shape[1] - size):
+            total[i, first + j] = motion_total[i, size + j]
+    for i in range(size, total.shape[0]):
+        total[i, i] = decay
 
 
 @njit

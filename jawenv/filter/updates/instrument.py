@@ -20,8 +20,7 @@ import numpy as np
 
 from jawenv.filter.belief.state import Belief
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
-from jawenv.filter.model.joint_step import N_SAMPLES
-from jawenv.filter.model.motion_step import move
+from jawenv.filter.model.motion_step import N_SAMPLES, move
 from jawenv.filter.updates.disturbance import add_disturbance
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype

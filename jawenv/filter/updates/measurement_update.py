@@ -28,6 +28,7 @@ from jawenv.filter.model.basis import set_derivatives
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.nuisances.if_any import NuisanceScratch, add_nuisance_readings, nuisance_scratch_dtype
 from jawenv.filter.updates.instrument import set_rows_of_past
+from jawenv.kernels.cholesky import solve_lower
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import Array, record_dtype
@@ -102,14 +103,11 @@ def _set_factor(covariance, scratch: UpdateScratch):
 @njit
 def squared_length(scratch: UpdateScratch):
     """Innovation whitened by ``factor``, its squared length: NIS, the normalised innovation squared."""
-    total = 0.0
+    whitened, total = scratch.whitened_innovation, 0.0
+    whitened[:] = scratch.innovation
+    solve_lower(scratch.factor, whitened)
     for i in range(N_MEASUREMENTS):
-        value = scratch.innovation[i]
-        for k in range(i):
-            value -= scratch.factor[i, k] * scratch.whitened_innovation[k]
-        value *= scratch.factor[i, i]
-        scratch.whitened_innovation[i] = value
-        total += value * value
+        total += whitened[i] * whitened[i]
     return total
 
 

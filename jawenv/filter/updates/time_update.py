@@ -16,8 +16,7 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.filter.belief.state import Belief, FilterSettings, lose_motion, tension_columns
-from jawenv.filter.model.joint_step import N_SAMPLES, set_muscles
-from jawenv.filter.model.motion_step import Step, move, step_dtype
+from jawenv.filter.model.motion_step import N_SAMPLES, Step, move, predict_cov, set_muscles, step_dtype
 from jawenv.filter.model.regressors import middle_of, set_accelerating, set_balanced, set_line_wrenches
 from jawenv.filter.nuisances.if_any import (
     NuisanceScratch,
@@ -90,7 +89,7 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
     becomes that of the ``settings``' ``start_sd`` (n).
     """
     dt, start_sd = settings.dt, settings.start_sd
-    set_muscles(jaw, belief.point, 0, scratch.step.muscles)
+    set_muscles(jaw, belief.point, scratch.step.muscles)
     scratch.start_motion[:] = belief.motion
     predict_from_past(jaw, belief, dt, scratch)
     correct_samples(jaw, belief, settings, samples, scratch)
@@ -106,7 +105,8 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
             belief.predicted[i] = scratch.start_motion[i]
         lose_motion(belief, start_sd)
         return
-    set_total(scratch.step.total, settings.disturbance_decay, scratch.total)
+    step, size = scratch.step.total, scratch.total.shape[0]
+    set_total(step, step.shape[0], settings.disturbance_decay, size, scratch.total)
     predict_cov(belief.motion_cov, noise_variance, scratch)
     decay_disturbance(belief, settings)
     if settings.motion_only:
@@ -153,26 +153,6 @@ def _rate_of(before, after, dt):
         (after[3] - before[3]) / dt,
         (after[4] - before[4]) / dt,
     )
-
-
-@njit
-def predict_cov(covariance, noise_variance, scratch: TimeScratch):
-    """P <- A P A^T + G W G^T."""
-    total, weighted = scratch.total, scratch.weighted
-    size, columns = total.shape
-    multiply(total, covariance, scratch.moved_cov)
-    for i in range(size):
-        for k in range(size):
-            weighted[i, k] = scratch.moved_cov[i, k]
-        for k in range(size, columns):
-            weighted[i, k] = total[i, k] * noise_variance[k - size]
-        for k in range(columns):
-            scratch.turned[k, i] = total[i, k]
-    multiply(weighted, scratch.turned, scratch.next_cov)
-    for i in range(size):
-        for j in range(size):
-            # One of two numbers that differ by rounding, so that P stays symmetric.
-            covariance[i, j] = scratch.next_cov[max(i, j), min(i, j)]
 
 
 @njit

@@ -10,7 +10,7 @@ from eval.thesis.prescribed import PrescribedMotion, with_noise
 from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_record, sampled_record
 from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
-from jawenv.filter.model.joint_step import propagate
+from jawenv.filter.bound.joint_step import propagate
 from jawenv.recordings.thinning import divided, thinned
 from jawenv.references.extended_kalman import ExtendedKalman
 

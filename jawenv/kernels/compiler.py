@@ -1,19 +1,32 @@
-"""Kernels that only other kernels call: no machine code of their own, nothing that converts Python's objects.
+"""Numba's private parts: kernels that are linked into others, and less work while Numba compiles.
 
 Numba optimises every kernel together with all that it calls, and makes machine code of it, with an entry for Python.
 Where a kernel is called by kernels alone, each of these does all that again. Here such a kernel stays what can be
-linked into others; only the outermost is optimised and becomes machine code, once.
+linked into others; only the outermost is optimised and becomes machine code, once. The rest replaces functions of
+Numba's while it compiles, for the same machine code. All is for the version that it was tested with (``KNOWN``), and
+left out of another.
 """
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import cache
 from typing import Any
+from unittest.mock import patch
 
 from llvmlite import binding
+from numba import version_info
+from numba.core import errors
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.targetconfig import TargetConfig
+from numba.extending import overload
+from numba.np import arrayobj
+
+KNOWN = version_info.short == (0, 68)
+"""Whether this is the Numba that jawenv is tested with."""
 
 
 class _WithoutEnvironments:
@@ -103,3 +116,66 @@ def reading_linked(target: Any) -> Iterator[None]:
         yield
     finally:
         codegen._library_class = usual
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Python collects no cycles: Numba makes millions of objects that stay, and each search goes over all."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
+
+
+def _sizes_differ(source: Any, target: Any) -> None:
+    """Raise Numba's error of a slice that is assigned something of another size, without the sizes in its message.
+
+    Numba writes them with thirty kernels of Python's strings, which every process that compiles compiles anew.
+    """
+
+
+@overload(_sizes_differ)
+def _overload_sizes_differ(source: Any, target: Any) -> Any:
+    def differ(source: Any, target: Any) -> None:
+        raise ValueError("cannot assign slice from input of different size")
+
+    return differ
+
+
+class _Plain:
+    """No colours for error messages: Numba makes thousands of errors, of mismatched types, and shows none."""
+
+    def __getattr__(self, name: str) -> Any:
+        return str
+
+
+def _values_of_options(flags: TargetConfig) -> dict[str, object]:
+    """All options of Numba's flags, read at once; Numba compares flags wherever it looks up a function."""
+    own: dict[str, object] = flags._values
+    return _default_options(type(flags)) | own
+
+
+@cache
+def _default_options(kind: type[TargetConfig]) -> dict[str, object]:
+    return {name: option.default for name, option in kind.options.items()}
+
+
+PATCHES = {
+    "values": (TargetConfig, "values", _values_of_options),
+    "sizes": (arrayobj, "raise_with_shape_context", _sizes_differ),
+    "colours": (errors, "_termcolor_inst", _Plain()),
+}
+"""What stands for a member of Numba's while it compiles: name -> (owner, member, ours)."""
+
+
+@contextmanager
+def quickly() -> Iterator[None]:
+    """Within it Numba compiles with less work."""
+    with ExitStack() as stack:
+        stack.enter_context(_without_collection())
+        for part in PATCHES.values() if KNOWN else ():
+            stack.enter_context(patch.object(*part))
+        yield

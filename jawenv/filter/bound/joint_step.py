@@ -1,4 +1,4 @@
-"""One step of the filter's model and its exact derivative.
+"""One step of the model and its exact derivative, which the bound and the reference filters share.
 
 The model is one classical Runge-Kutta step, or a few if the jaw is stiff. Its wrench is what the
 load cell read at the start, the middle and the end of the step: a stiff servo changes its force within a step, and with
@@ -13,20 +13,16 @@ leave a tenth of that variance, and the constant one alone leaves up to four fif
 
 from __future__ import annotations
 
-from math import exp
 from typing import Annotated
 
+from jawenv.filter.model.motion_step import N_NOISE, between_samples, set_jacobian, stage_share, step_parts
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.linalg import add_scaled, multiply
 from jawenv.kernels.records import Array
-from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_place, stage_reach, stage_weight
+from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_reach, stage_weight
 from jawenv.mechanics.dynamics import N_WRENCH, Linear, linearised_rate
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
-from jawenv.mechanics.stiffness import fastest_rate, parts_needed
-
-N_SAMPLES = 3  # of the load cell per step
-N_NOISE = 2 * N_WRENCH  # columns of the wrench not known: constant over a step, and tilting
 
 
 class Sensitivity:
@@ -42,36 +38,6 @@ class Sensitivity:
     stage: Annotated[Array, "states", "columns"]
     slope: Annotated[Array, "states", "columns"]
     total: Annotated[Array, "states", "columns"]
-
-
-@njit
-def set_muscles(jaw: Jaw, log_parameters, offset, muscles):
-    """(F_o, b) per line from an array that holds the muscles' log-parameters from ``offset`` on."""
-    for line in range(muscles.shape[0]):
-        index = offset + 2 * jaw.muscle[line]
-        muscles[line, 0] = exp(log_parameters[index])
-        muscles[line, 1] = exp(log_parameters[index + 1])
-
-
-@njit
-def set_jacobian(h, linear: Linear, jacobian):
-    """Into the first n columns of ``jacobian`` (n rows) ``h`` times the derivative of the state's rate by the state.
-
-    ``linear`` is as ``linearised_rate`` fills it.
-    """
-    by_state, by_angle = linear.by_state, linear.by_angle
-    half, size = by_state.shape
-    first = half - 3  # of the angles
-    for i in range(half):
-        for j in range(size):
-            jacobian[i, j] = 0.0
-            jacobian[half + i, j] = h * by_state[i, j]
-    for i in range(first):
-        jacobian[i, half + i] = h
-    for i in range(3):
-        jacobian[first + i, first + 1], jacobian[first + i, first + 2] = h * by_angle[i, 0], h * by_angle[i, 1]
-        for j in range(3):
-            jacobian[first + i, half + first + j] = h * by_angle[i, 2 + j]
 
 
 @njit
@@ -122,45 +88,6 @@ def copy_matrix(target, source):
             target[i, j] = source[i, j]
 
 
-@njit_inlined
-def between_samples(samples, share):
-    """The load cell's wrench at a share of the step, by the parabola through its three samples."""
-    first, middle, last = (1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)
-    return (
-        first * samples[0, 0] + middle * samples[1, 0] + last * samples[2, 0],
-        first * samples[0, 1] + middle * samples[1, 1] + last * samples[2, 1],
-        first * samples[0, 2] + middle * samples[1, 2] + last * samples[2, 2],
-        first * samples[0, 3] + middle * samples[1, 3] + last * samples[2, 3],
-        first * samples[0, 4] + middle * samples[1, 4] + last * samples[2, 4],
-        first * samples[0, 5] + middle * samples[1, 5] + last * samples[2, 5],
-    )
-
-
-@njit_inlined
-def stage_share(part, stage, parts):
-    """Share of the whole step at which a stage of a part is evaluated."""
-    return (part + stage_place(stage)) / parts
-
-
-@njit
-def step_parts(jaw: Jaw, muscles, state, dt):
-    """Into how many parts the step from ``state`` (n) is divided."""
-    q, _ = split(state)
-    return parts_needed(fastest_rate(jaw, muscles, q), dt, 1)
-
-
-@njit
-def propagate(jaw: Jaw, muscles, state, samples, trend, gain, dt, scratch: Sensitivity):
-    """Advance ``state`` (n) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
-
-    ``samples`` (3, 6) are the load cell's
-    readings at the start, middle and end. The wrench is the reading + g ``trend``, with g the gain error ``gain`` and
-    ``trend`` (6) the recent trend of the load cell. A jaw that is stiff takes the step in parts (``parts_needed``).
-    """
-    parts = step_parts(jaw, muscles, state, dt)
-    propagate_in(jaw, muscles, state, (samples, trend, gain), dt, parts, scratch)
-
-
 @njit_within
 def _joint_rate(q, u, stage, h, arguments):
     """(q', u') at a stage; moves the derivative, too, through the stage."""
@@ -191,13 +118,19 @@ def _move_derivative(stage, h, scratch: Sensitivity):
 
 
 @njit
-def propagate_in(jaw: Jaw, muscles, state, cell, dt, parts, scratch: Sensitivity):
-    """Do what ``propagate`` does in so many ``parts``, whatever the state; ``cell``: (samples, trend, gain)."""
+def propagate(jaw: Jaw, muscles, state, samples, trend, gain, dt, scratch: Sensitivity):
+    """Advance ``state`` (n) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
+
+    ``samples`` (3, 6) are the load cell's readings at the start, middle and end of the step. The wrench is the reading
+    + g ``trend``, with g the gain error ``gain`` and ``trend`` (6) the recent trend of the load cell. A jaw that is
+    stiff takes the step in parts (``parts_needed``).
+    """
+    parts = step_parts(jaw, muscles, state, dt)
     _set_identity(scratch.total)
     h = dt / parts
     for part in range(parts):
         _begin_derivative(scratch)
         q, u = split(state)
-        arguments = (jaw, muscles, cell, part, parts, scratch)
+        arguments = (jaw, muscles, (samples, trend, gain), part, parts, scratch)
         q, u = runge_kutta_step(_joint_rate, q, u, h, arguments)
         set_state(state, q, u)
