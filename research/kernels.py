@@ -25,7 +25,6 @@ from numba.core.serialize import dumps
 from jawenv.base.files import atomic_write
 from jawenv.kernels.cache import CHECKSUM_BYTES, LEVELS, with_checksum
 from jawenv.kernels.compiled import WorldKernel
-from jawenv.kernels.compiler import PATCHES
 
 STEP = """
 import sys, time, resource
@@ -50,10 +49,10 @@ VARIANTS = {
         "import numba; numba.version_info = numba.version_info._replace(short=(0, 0))"
     ),
     "cycles collected while compiling": "import gc; gc.disable = lambda: None",
-    **{
-        f"without {name} of ``compiler.PATCHES``": f"from jawenv.kernels.compiler import PATCHES; del PATCHES[{name!r}]"
-        for name in PATCHES
-    },
+    "sizes in the message of an error": (
+        "import jawenv.kernels.compiler as own, numba.np.arrayobj as numba_s; "
+        "own._sizes_differ = numba_s.raise_with_shape_context"
+    ),
 }
 """Name -> action before jawenv's kernels are declared."""
 
