@@ -3,6 +3,7 @@
     python -m research.anyone rates --patients 24
     python -m research.anyone people --patients 24
     python -m research.anyone late --patients 24
+    python -m research.anyone laws --patients 24
 
 Times, places, angles and one reading of the load cell a row: no velocities, no header, no word of the patient. The
 tracker has a rate of its own; readings of a cell that is slower stand in the nearest rows, between them cells are
@@ -31,10 +32,12 @@ from eval.figures import statistics, words
 from jawenv.anatomy import COHORTS
 from jawenv.anatomy.knowledge import IMAGED
 from jawenv.answers.answer import Answer
+from jawenv.answers.tension import along_the_way
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.inference.treatable import treatable
 from jawenv.metrics.diagnosis import BLOCKED_B, STIFF_F_O_N
 from jawenv.metrics.verdicts import BLOCKED, BOTH, FINDINGS, STIFF
+from jawenv.reality.tissue import STRAIGHT_TO
 from jawenv.recordings.columns import ENCODERS, READINGS, TIME
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
@@ -46,6 +49,7 @@ RATES = tuple(product((60, 120, 240), (20, 80)))
 """Hz of tracker and load cell."""
 TRACKER_HZ, CELL_HZ = 120, 80
 LATE_MS = (10, 20, 40)
+LAW_MM = (10.0, 20.0)
 NO_SCAN = {"attachment_error": 1.0}
 SMALL_ERRORS = {
     "cell_bias_N": 0.1,
@@ -118,12 +122,20 @@ class _Judged(NamedTuple):
 
 def judged(record: Record, hz: float, cell_hz: float, seed: int, late_s: float = 0.0) -> _Judged:
     """The answer of ``jawenv.identify`` to a played record, written as a laboratory's file, beside the truth."""
-    assert record.truth is not None
+    return _beside(_answer(record, seed, hz, cell_hz, late_s), record)
+
+
+def _answer(record: Record, seed: int, hz: float = TRACKER_HZ, cell_hz: float = CELL_HZ, late_s: float = 0.0) -> Answer:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "lab.csv"
         lab_file(record, hz, cell_hz, path, seed, late_s)
         answer = jawenv.identify(path)
     assert isinstance(answer, Answer)
+    return answer
+
+
+def _beside(answer: Answer, record: Record) -> _Judged:
+    assert record.truth is not None
     nees = float(Beliefs.of(answer.log_mean, answer.log_cov, record.truth).nees)
     truly = np.exp(record.truth).reshape(-1, 2) > [STIFF_F_O_N, BLOCKED_B]
     pairs = zip(answer.verdicts.values(), truly, strict=True)
@@ -203,7 +215,43 @@ def late(arguments: argparse.Namespace) -> None:
             row(movement, ms, *_figures(found))
 
 
-TABLES = {"rates": rates, "people": people, "late": late}
+def laws(arguments: argparse.Namespace) -> None:
+    """Print a row for each cohort and share of tensions that is a straight line; anatomies are those of the table."""
+    row("cohort", "straight, %", *HEAD, "law named", *(f"force at {mm:g} mm: error, %, NEES" for mm in LAW_MM))
+    print("|---|" + (6 + len(LAW_MM)) * "--:|", flush=True)
+    for cohort, share in product(("trismus", "healthy", "anyone"), (0.0, 0.5, 1.0)):
+        law = {"straight_share": share}
+        records = recordings_of(arguments, MOVEMENTS[0], cohort=cohort, knowledge="exact", reality=law)
+        answers = [_answer(record, i) for i, record in enumerate(records)]
+        found = [_beside(answer, record) for answer, record in zip(answers, records, strict=True)]
+        believed = [pair for pair in zip(answers, records, strict=True) if pair[0].believed]
+        named = sum(one.learnt is not None and one.learnt.sizes["law"] > 0.0 for one, _ in believed)
+        forces = (_force_cell([_force(*pair, mm, share) for pair in believed]) for mm in LAW_MM)
+        row(cohort, f"{100.0 * share:g}", *_figures(found), f"{named} of {len(believed)}", *forces)
+
+
+def _force(answer: Answer, record: Record, mm: float, share: float) -> tuple[float, float]:
+    """Error of the closing force at an opening, relative, and its square in error bars; NaN beyond the recording."""
+    assert record.truth is not None
+    opening, strain, growth = along_the_way(record)
+    F_o, b = np.exp(record.truth).reshape(-1, 2)[record.jaw["muscle"]].T
+    line = np.maximum(0.0, F_o + F_o * np.expm1(STRAIGHT_TO * b) * strain / STRAIGHT_TO)
+    tension = share * line + (1.0 - share) * F_o * np.exp(b * strain)
+    truth = np.interp(1e-3 * mm, opening, np.sum(tension * growth, axis=1))
+    for one in answer.tension["all"]:
+        if one.opening_mm == mm:
+            return one.force_N / truth - 1.0, ((one.force_N - truth) / one.force_sd_N) ** 2
+    return np.nan, np.nan
+
+
+def _force_cell(forces: list[tuple[float, float]]) -> str:
+    if not np.isfinite(forces).any():
+        return "–"
+    error, square = np.nanmean(forces, axis=0)
+    return f"{100.0 * error:+.1f}, {square:.2f}"
+
+
+TABLES = {"rates": rates, "people": people, "late": late, "laws": laws}
 
 
 def main() -> None:

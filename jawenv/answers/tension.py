@@ -43,7 +43,7 @@ def tensions_of(record: Record, log_mean: Array, log_cov: Array, lever_sd: float
         log_cov: (p, p) their covariance.
         lever_sd: sd of each line's growth, see ``LEVER_SD``.
     """
-    opening, strain, growth = _along_the_way(record)
+    opening, strain, growth = along_the_way(record)
     asked = [] if len(opening) < _FEWEST else [mm for mm in OPENINGS_MM if mm <= 1e3 * opening.max()]
     muscle = record.jaw["muscle"]
     by_log = [_by_parameters(1e-3 * mm, opening, strain, growth, log_mean, muscle) for mm in asked]
@@ -66,7 +66,7 @@ def tensions_of(record: Record, log_mean: Array, log_cov: Array, lever_sd: float
     return found
 
 
-def _along_the_way(record: Record) -> tuple[Array, Array, Array]:
+def along_the_way(record: Record) -> tuple[Array, Array, Array]:
     """Opening (K,) m, strains (K, lines) and growth of the lines with the opening (K, lines), of the midline's motion.
 
     The condyles slide with the pitch as they did in the recording.

@@ -258,9 +258,13 @@ class Configuration:
 
         plant = plant_of(self.plant)
         reality = self.build_reality()
-        if (reality.creep_share or reality.reflex_gain) and not hasattr(plant, "take_muscles"):
+        if (reality.creep_share or reality.reflex_gain or reality.straight_share) and not hasattr(
+            plant, "take_muscles"
+        ):
             name = type(plant).__name__
-            raise InputError(f"plant {name} has no take_muscles; allowed: creep_share and reflex_gain of 0")
+            raise InputError(
+                f"plant {name} has no take_muscles; allowed: creep_share, reflex_gain, straight_share of 0"
+            )
         return plant
 
     @property

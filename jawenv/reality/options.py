@@ -26,6 +26,7 @@ class RealityRecord:
     creep_time: float
     creep_slow_share: float
     creep_slow_time: float
+    straight_share: float
     swallow_force: float
     swallow_every: float
     articular_stiffness: float
@@ -69,6 +70,8 @@ class Reality(NumericFields):
         creep_time_s: Time constant of that lengthening: the shift had no more to gain after 8 s, three of these (M/D).
         creep_slow_share, creep_slow_time_s: The same of a second element, which relaxes while a treatment lasts: 0.1 to
             0.3, 60 s (G: trismus is treated by minutes of stretch).
+        straight_share: Share of each passive tension that follows a straight line in the muscle's length, through its
+            tensions at l_o and at a strain of 0.2. 1 as in ArtiSynth's relaxed jaw (A); the filter's law has 0.
         swallow_N, swallow_every_s: Tension that each closing muscle adds for a second, as half a sine wave, and how
             often: people swallow once or twice a minute, at 30 to 60 s (M), the first time after half of that; 1 N (G).
         attachment_error: Errors of the filter's muscle attachments, in sds of the table of attachments: 1 when the
@@ -116,6 +119,7 @@ class Reality(NumericFields):
     creep_time_s: float = number(2.7, 1e4, "s", zero=False)
     creep_slow_share: float = number(0.0, 0.9, "1")
     creep_slow_time_s: float = number(60.0, 1e4, "s", zero=False)
+    straight_share: float = number(0.0, 1.0, "1")
     swallow_N: float = number(0.0, 20.0, "N", record="swallow_force")
     swallow_every_s: float = number(30.0, 1e4, "s", zero=False)
     attachment_error: float = number(0.0, 2.0, "1")

@@ -9,6 +9,9 @@ b e and falls with the creep's time constant to b e (1 - c). For small c xi the 
 also F_o that is multiplied by exp(-b c xi), the form in which the kernels of the mechanics take it. A second element
 with a share and a time of its own lengthens beside it.
 
+A law of another shape. A share s of the tension is that of a straight line in the length, through F_o and the law's own
+tension at the strain 0.2; the line's tension ends at 0.
+
 Reflex. The passive tension's rate while it rises, delayed by the latency, excites an active tension A that leaks away
 with the lag of muscle:
 
@@ -18,10 +21,10 @@ A stretch that is quick against the lag adds A = gain times the passive rise of 
 a held one nothing. Guarding is the active tension that stays: beyond its onset A goes, with the same lag, to
 guarding_gain F_o b times the strain above rest less the onset. A swallow adds half a sine wave to all muscles.
 
-Both are held for a tick at their value at its start. Where a line is excited, its F_o and b of the tick are those of
-the law that has the tension T + A and the slope T b / l_o at the length at the start of the tick: the active tension
-neither stiffens the muscle nor follows its length. Sampling and holding delay by one tick in the mean; what the
-latency exceeds it by is taken from the delay line.
+All are held for a tick at their value at its start. Where a line is excited, or its law is another, its F_o and b of
+the tick are those of the law that has the tension T + A and the slope of T at the length at the start of the tick: the
+active tension neither stiffens the muscle nor follows its length. Sampling and holding delay by one tick in the mean;
+what the latency exceeds it by is taken from the delay line.
 """
 
 from __future__ import annotations
@@ -37,6 +40,8 @@ from jawenv.reality.options import RealityRecord
 from jawenv.reality.state import RealityState
 
 SWALLOW_TIME = 1.0  # s
+LEAST_TENSION, STEEPEST = 1e-6, 50.0  # N, and the b of a tick, where a straight law ends at 0
+STRAIGHT_TO = 0.2  # strain at which a straight law has the tension of the exponential one
 
 
 @njit
@@ -58,7 +63,7 @@ def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
         effective[i, 0], effective[i, 1] = muscles[i, 0], muscles[i, 1]
     creeps = reality.creep_share > 0.0 or reality.creep_slow_share > 0.0
     reacts = reality.reflex_gain > 0.0 or reality.guarding_gain > 0.0
-    if not (creeps or reacts or reality.swallow_force > 0.0):
+    if not (creeps or reacts or reality.swallow_force > 0.0 or reality.straight_share > 0.0):
         return
     keep, keep_slow = 1.0 - exp(-dt / reality.creep_time), 1.0 - exp(-dt / reality.creep_slow_time)
     swallowed = swallow(reality, state, dt)
@@ -76,16 +81,28 @@ def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
         stretch = max(0.0, length - state.rest_length[i]) / jaw.l_o[i]
         state.creep[i] += keep * (stretch - state.creep[i])
         state.slow_creep[i] += keep_slow * (stretch - state.slow_creep[i])
+        strain, steepness = length / jaw.l_o[i] - 1.0, b * tension
+        if reality.straight_share > 0.0:
+            tension, steepness = straightened(reality.straight_share, F_o, b, strain)
         active = state.activation[i] + swallowed
-        if active > 0.0:
-            total = tension + active
-            effective[i, 1] = b * tension / total
-            effective[i, 0] = total * exp(-effective[i, 1] * (length / jaw.l_o[i] - 1.0))
+        if active > 0.0 or reality.straight_share > 0.0:
+            total = max(tension + active, LEAST_TENSION)
+            effective[i, 1] = min(steepness / total, STEEPEST)
+            effective[i, 0] = total * exp(-effective[i, 1] * strain)
         if reacts:
             end = add(velocity, apply(body_to_head, cross(omega, row3(jaw.insertion, i))))
-            rise = max(0.0, -tension * b / jaw.l_o[i] * dot(direction, end))
+            rise = max(0.0, -steepness / jaw.l_o[i] * dot(direction, end))
             held = reality.guarding_gain * F_o * b * max(0.0, stretch - reality.guarding_onset)
             _excite(reality, state, i, rise, held, dt)
+
+
+@njit
+def straightened(share, F_o, b, strain):
+    """Tension (N) of a law of which a share is a straight line, and its growth with the strain."""
+    slope = F_o * (exp(b * STRAIGHT_TO) - 1.0) / STRAIGHT_TO
+    tension, line = F_o * exp(b * strain), max(0.0, F_o + slope * strain)
+    straight = share * slope if line > 0.0 else 0.0
+    return share * line + (1.0 - share) * tension, straight + (1.0 - share) * b * tension
 
 
 @njit

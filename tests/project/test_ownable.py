@@ -15,13 +15,13 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_757,
-    "lines of everything else": 13_307,
-    "lines that a step loads": 12_438,
-    "lines that eval compare loads": 21_016,
-    "lines": 48_064,
+    "lines that README's commands load": 34_782,
+    "lines of everything else": 13_355,
+    "lines that a step loads": 12_463,
+    "lines that eval compare loads": 21_041,
+    "lines": 48_137,
     "files": 440,
-    "functions": 2_770,
+    "functions": 2_776,
 }
 STEP = """
 import gymnasium, jawenv

@@ -45,6 +45,17 @@ def test_both_elements_creep_with_their_own_times(jaw, rng):
     np.testing.assert_allclose(tension, expected, rtol=1e-9)
 
 
+@pytest.mark.parametrize("share", [0.4, 1.0])
+def test_a_straight_law_is_a_line_through_F_o_and_its_tension_at_a_fifth(jaw, rng, share):
+    muscles = drawn_muscles(rng)
+    tissue = Tissue(jaw, muscles, straight_share=share)
+    F_o, b = muscles.T
+    strain = np.log(tensions(jaw, np.ones((6, 2)), WIDE))
+    line = F_o + (F_o * np.exp(0.2 * b) - F_o) * strain / 0.2
+    expected = share * line + (1.0 - share) * tensions(jaw, muscles, WIDE)
+    np.testing.assert_allclose(tissue.tick(WIDE), expected, rtol=1e-9)
+
+
 def test_a_swallow_comes_when_it_is_due_and_goes(jaw, rng):
     muscles = drawn_muscles(rng)
     tissue = Tissue(jaw, muscles, swallow_N=1.5, swallow_every_s=4.0)

@@ -75,7 +75,7 @@ def test_forces_at_the_incisors_do_the_work_that_the_muscles_store():
     world = {"control": "targets", "record": True, "episode_s": 20.0, "track_bound": False}
     record = jawenv.play(jawenv.Player("slow_opening"), patients=1, seed=5, env_kwargs=world).records[0]
     found = tensions_of(record, record.truth, 1e-4 * np.eye(12))
-    opening, strain, _ = tension._along_the_way(record)
+    opening, strain, _ = tension.along_the_way(record)
     F_o, b = np.exp(record.truth).reshape(-1, 2)[record.jaw["muscle"]].T
     stored = np.sum(record.jaw["l_o"] * F_o / b * np.exp(b * strain), axis=1)
     force = np.interp(0.01, opening, np.gradient(stored, opening))
