@@ -44,7 +44,7 @@ def test_without_memory_it_is_new_in_every_tick():
 
 def test_motion_and_disturbance_are_one_linear_system(rng):
     motion, total = rng.normal(size=(10, 16)), rng.normal(size=(16, 22))
-    set_total(motion, 0.9, total)
+    set_total(motion, 10, 0.9, 16, total)
     state, wrench, disturbance = rng.normal(size=10), rng.normal(size=6), rng.normal(size=6)
     after = total @ np.concatenate([state, disturbance, wrench])
     np.testing.assert_allclose(after[:10], motion @ np.concatenate([state, wrench + disturbance]), rtol=1e-12)
