@@ -40,7 +40,7 @@ from jawenv.reality.options import RealityRecord
 from jawenv.reality.state import RealityState
 
 SWALLOW_TIME = 1.0  # s
-LEAST_TENSION, STEEPEST = 1e-6, 50.0  # N, and the b of a tick, where a straight law ends at 0
+LEAST_TENSION, STEEPEST = 1e-6, 50.0  # N, and the b of a tick of a muscle that has less: a straight law ends at 0
 STRAIGHT_TO = 0.2  # strain at which a straight law has the tension of the exponential one
 
 
@@ -56,7 +56,7 @@ def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
         motion: (q, u, lift) at the start of the tick: coordinates (x, y, theta, psi, alpha), speeds (x', y', omega),
             and how far the condyles' midpoint is above its path (m) with its rate (m/s): zero in the midline plant.
         dt: Length of a tick (s).
-        effective: (lines, 2); written. Equal to ``muscles`` to the bit where nothing has crept or is excited.
+        effective: (lines, 2); written. Equal to ``muscles`` to the bit where no effect of this module acts.
     """
     q, u, lift = motion
     for i in range(muscles.shape[0]):
@@ -73,7 +73,7 @@ def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
     velocity = (u[0], u[1], slope * u[0] + lift[1])
     omega = (u[2], u[3], u[4])
     for i in range(muscles.shape[0]):
-        F_o, b = muscles[i, 0], muscles[i, 1]
+        F_o, b, lengthened = muscles[i, 0], muscles[i, 1], 0.0
         if creeps:
             lengthened = reality.creep_share * state.creep[i] + reality.creep_slow_share * state.slow_creep[i]
             effective[i, 0] = F_o * exp(-b * lengthened)
@@ -83,11 +83,11 @@ def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
         state.slow_creep[i] += keep_slow * (stretch - state.slow_creep[i])
         strain, steepness = length / jaw.l_o[i] - 1.0, b * tension
         if reality.straight_share > 0.0:
-            tension, steepness = straightened(reality.straight_share, F_o, b, strain)
+            tension, steepness = straightened(reality.straight_share, F_o, b, strain - lengthened)
         active = state.activation[i] + swallowed
         if active > 0.0 or reality.straight_share > 0.0:
             total = max(tension + active, LEAST_TENSION)
-            effective[i, 1] = min(steepness / total, STEEPEST)
+            effective[i, 1] = min(steepness / total, max(b, STEEPEST))
             effective[i, 0] = total * exp(-effective[i, 1] * strain)
         if reacts:
             end = add(velocity, apply(body_to_head, cross(omega, row3(jaw.insertion, i))))

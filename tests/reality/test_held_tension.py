@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from reality_states import REST, TICK, Tissue, drawn_muscles, tensions
 
+from jawenv.reality.tissue import straightened
+
 WIDE = (7e-3, 0.0, 0.3, 0.0, 0.0)
 
 
@@ -54,6 +56,18 @@ def test_a_straight_law_is_a_line_through_F_o_and_its_tension_at_a_fifth(jaw, rn
     line = F_o + (F_o * np.exp(0.2 * b) - F_o) * strain / 0.2
     expected = share * line + (1.0 - share) * tensions(jaw, muscles, WIDE)
     np.testing.assert_allclose(tissue.tick(WIDE), expected, rtol=1e-9)
+
+
+def test_a_straight_law_creeps_too_and_its_tension_ends_at_nothing(jaw, rng):
+    muscles = drawn_muscles(rng)
+    crept = Tissue(jaw, muscles, straight_share=1.0, creep_share=0.3, creep_time_s=0.1)
+    fresh = Tissue(jaw, muscles, straight_share=1.0)
+    for _ in range(200):
+        tension = crept.tick(WIDE)
+    F_o, b = muscles.T
+    lost = 0.3 * strains(crept, WIDE) * F_o * np.expm1(0.2 * b) / 0.2
+    np.testing.assert_allclose(fresh.tick(WIDE) - tension, lost, rtol=1e-6)
+    assert straightened(1.0, 2.0, 10.0, -0.2) == (0.0, 0.0)
 
 
 def test_a_swallow_comes_when_it_is_due_and_goes(jaw, rng):
