@@ -45,7 +45,7 @@ class LinearDesign(gym.Env):
         return {"x": xs, "y": theta[0] + theta[1] * xs + SD * np.random.default_rng(seed).normal(size=len(xs))}
 
     def log_likelihood(self, readings, theta):
-        """Of parameters (m, 2)."""
+        """Log-likelihood of parameters (m, 2)."""
         theta = np.asarray(theta)
         return norm.logpdf(readings["y"], theta[:, :1] + theta[:, 1:] * readings["x"], SD).sum(axis=1)
 

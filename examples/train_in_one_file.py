@@ -50,7 +50,7 @@ class Policy(nn.Module):
         return self.base[step] + SCALE * correction.clamp(-1.0, 1.0)
 
     def distribution(self, seen: torch.Tensor) -> torch.distributions.Normal:
-        """Of the corrections (P, 4)."""
+        """Distribution of the corrections (P, 4)."""
         return torch.distributions.Normal(self.mean(seen), NOISE)
 
 

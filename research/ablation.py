@@ -27,7 +27,7 @@ import jawenv
 from agents import load_agent
 from jawenv.controls import Control
 from jawenv.filter.learn import learn
-from jawenv.filter.readings.lasting import stay_of
+from jawenv.filter.readings.model_error import dwell_ticks
 from jawenv.kernels.compiled import njit
 from jawenv.recordings.online import OnlineFilter
 from jawenv.recordings.record import Record
@@ -72,29 +72,29 @@ def _without_inertia(jaw, belief, pose, dt, scratch):
 
 
 @njit
-def _without_lasting(jaw, belief, settings, variance):
-    """Stand in for ``add_lasting_noise`` and do nothing."""
+def _without_model_error(jaw, belief, settings, variance):
+    """Stand in for ``add_model_error`` and do nothing."""
 
 
 @njit
-def whole(jaw, belief, settings):
-    """Stand in for ``weight_of_stay``: every reading counts whole."""
+def full_weight(jaw, belief, settings):
+    """Stand in for ``reading_weight``: every reading counts in full."""
     return 1.0
 
 
 @njit
 def _ticks_of_a_visit(jaw, belief, settings):
     """Stand in for ``count_ticks``: earlier visits are forgotten."""
-    return 0.0 if settings.whole > 0.0 else stay_of(jaw, belief, settings.dt)
+    return 0.0 if settings.full_weight_ticks > 0.0 else dwell_ticks(jaw, belief, settings.dt)
 
 
 ROWS = (
     _Variant("the filter as it is"),
-    _Variant("each visit of a pose by itself", {"readings.lasting.count_ticks": _ticks_of_a_visit}),
-    _Variant("no ticks at a pose that count whole", {"settings.WHOLE_TICKS": 0.0}),
-    _Variant("one share of the force that may be wrong", {"settings.KNOWN_LASTING": 2e-3}),
-    _Variant("nothing wrong at a pose as noise of the motion", {"tick.add_lasting_noise": _without_lasting}),
-    _Variant("every reading counts whole", {"tick.weight_of_stay": whole}),
+    _Variant("each visit of a pose by itself", {"readings.model_error.count_ticks": _ticks_of_a_visit}),
+    _Variant("no ticks at a pose that count whole", {"settings.FULL_WEIGHT_TICKS": 0.0}),
+    _Variant("one share of the force that may be wrong", {"settings.MODEL_ERROR_EXACT": 2e-3}),
+    _Variant("nothing wrong at a pose as noise of the motion", {"tick.add_model_error": _without_model_error}),
+    _Variant("every reading counts whole", {"tick.reading_weight": full_weight}),
     _Variant("the gain error without inertia", {"updates.time_update.set_inertia_column": _without_inertia}),
     _Variant("the gain's column as the cell reads", {"updates.time_update.set_balanced_trend": as_read}),
     _Variant("one trend of the load cell, of 50 ms", {"tick.SMOOTHING_TIME": 0.05}),
@@ -106,7 +106,7 @@ ROWS = (
     _Variant("surprises do not renew the belief", {"tick.SURPRISING": 99}),
     _Variant("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
     _Variant("teeth whose force is certain", {"readings.teeth.TOOTH_NOISE": (0.0,) * 6}),
-    _Variant("learning while teeth press", {"tick.NEAR": -math.inf}),
+    _Variant("learning while teeth press", {"tick.LEAST_GAP": -math.inf}),
     _Variant("no gate", {"updates.measurement_update.GATE": math.inf}),
 )
 CELLS = (

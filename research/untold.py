@@ -37,7 +37,7 @@ EFFECTS = {
     "attachments of the mean": {"attachment_error": 1.0},
 }
 _MUJOCOS = "a jaw that MuJoCo moves"
-_TOLD = {
+_EFFECTS = {
     "exact": (*EFFECTS, _MUJOCOS),
     "bench": (
         "none",
@@ -122,14 +122,14 @@ def _section(arguments):
         "error bars x",
         "temperature",
     )
-    for title in arguments.effects or _TOLD[arguments.knowledge]:
+    for title in arguments.effects or _EFFECTS[arguments.knowledge]:
         _of_effect(title, arguments)
     print(flush=True)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Measure what error bars are worth under errors that nobody told.")
-    parser.add_argument("knowledge", choices=("all", *_TOLD), help="all: every section of the page")
+    parser.add_argument("knowledge", choices=("all", *_EFFECTS), help="all: every section of the page")
     parser.add_argument("--patients", type=int, default=48, help="of each row")
     parser.add_argument("--seed", type=int, default=420_000)
     parser.add_argument("--cohort", default="trismus")

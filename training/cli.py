@@ -21,7 +21,7 @@ Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what the o
 
 
 @dataclass(frozen=True)
-class _Given:
+class _Overrides:
     """Settings that win over those of the file."""
 
     residual_on: Annotated[
@@ -69,7 +69,7 @@ def train(
         str | None,
         typer.Argument(metavar="CONFIG", help="A shipped configuration (apg, ppo, plain_ppo, ...) or a YAML file."),
     ] = None,
-    given: _Given = _Given(),
+    overrides: _Overrides = _Overrides(),
     folder: _Folder = _Folder(),
 ) -> int:
     """Train a policy; Ctrl-C saves a checkpoint that --resume goes on from.
@@ -84,15 +84,15 @@ def train(
 
     console = Console(highlight=False, markup=False)
     if folder.resume is not None:
-        settings = {"CONFIG": config, **vars(folder), **vars(given), **world}
+        settings = {"CONFIG": config, **vars(folder), **vars(overrides), **world}
         for name, value in settings.items():
             if name not in ("resume", "steps") and value not in (None, False):
                 option = name if name.isupper() else f"--{name.rstrip('_').replace('_', '-')}"
                 raise InputError(f"{option} cannot be combined with --resume, which keeps the settings of the run")
-        return training.resume(RunFolder(folder.resume), console, given.steps)
+        return training.resume(RunFolder(folder.resume), console, overrides.steps)
     if folder.overwrite and folder.continue_:
         raise InputError("--overwrite cannot be combined with --continue")
-    training_config, stem = asked_for(config, world, **vars(given))
+    training_config, stem = asked_for(config, world, **vars(overrides))
     run = RunFolder(folder.output or Path("runs") / f"{stem}-seed{training_config.seed}")
     if folder.continue_ and run.exists():
         run.check_settings(training_config)

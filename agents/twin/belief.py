@@ -18,7 +18,7 @@ from agents.twin.constants import Patients, Twin
 from agents.twin.disturbance import Disturbance
 from agents.twin.mechanics import Passive, Pose, force_noise, norm, shaken_information, shaking
 from jawenv.device.device import TICK
-from jawenv.filter.readings.lasting import ALIKE, DRIFT_S, LASTING_ARM, MOST_TICKS, SLOWEST, SLOWEST_DRIFT
+from jawenv.filter.readings.model_error import ALIKE, DRIFT_S, ERROR_ARM, MOST_TICKS, SLOWEST, SLOWEST_DRIFT
 from jawenv.filter.readings.teeth import TOOTH_NOISE
 
 N_PARAMETERS = 12
@@ -95,9 +95,9 @@ class Belief:
         """Take so many readings (P,), as if all were of one pose."""
         jaw = self._patients.jaw
         carried = norm(held.device[:, :3]) + norm(jaw.weight)
-        rows = self._rows(held, readings, self._lasting(held, carried))
-        if not self._twin.counts_whole:
-            rows = rows * self._weight_of_stay(held, carried).sqrt()[:, None, None]
+        rows = self._rows(held, readings, self._process_noise(held, carried))
+        if not self._twin.first_ticks_count:
+            rows = rows * self._reading_weight(held, carried).sqrt()[:, None, None]
         self._readings = self._readings + readings
         seen = rows @ self._truth[..., None]
         if self._generator is not None:
@@ -142,24 +142,24 @@ class Belief:
             rows = self._disturbance.innovation_rows(columns, J, noise)
         return rows if unexplained is None else torch.cat([rows, unexplained * many.sqrt()], -2)
 
-    def _lasting(self, held: Held, carried: Tensor) -> Tensor:
+    def _process_noise(self, held: Held, carried: Tensor) -> Tensor:
         """Variance (P, 6) of the wrench that is new in a reading, as ``jawenv.filter.readings`` has it."""
         twin, speeds = self._twin, held.speeds.abs()
         moved = speeds[:, 0] + self._patients.jaw.mouthpiece[..., 0] * speeds[:, 2:].sum(-1)
         speed = (moved.square() + twin.shaking**2).sqrt()
         ticks = (ALIKE / (TICK * speed.clamp(min=SLOWEST))).clamp(max=MOST_TICKS)
-        lasting = ticks * (twin.lasting * carried).square()
-        arms = lasting.new_tensor([1.0] * 3 + [LASTING_ARM**2] * 3)
-        bite = (held.passive.bite[:, None] * lasting.new_tensor(TOOTH_NOISE)).square()
-        variance: Tensor = twin.wrench_variance + lasting[:, None] * arms + bite
+        model_error = ticks * (twin.model_error * carried).square()
+        arms = model_error.new_tensor([1.0] * 3 + [ERROR_ARM**2] * 3)
+        bite_force = (held.passive.bite_force[:, None] * model_error.new_tensor(TOOTH_NOISE)).square()
+        variance: Tensor = twin.wrench_variance + model_error[:, None] * arms + bite_force
         return variance
 
-    def _weight_of_stay(self, held: Held, carried: Tensor) -> Tensor:
-        """(P,) what readings count for, as ``weight_of_stay`` of the filter has it, but for earlier visits."""
+    def _reading_weight(self, held: Held, carried: Tensor) -> Tensor:
+        """(P,) what readings count for, as ``reading_weight`` of the filter has it, but for earlier visits."""
         twin = self._twin
         self._drift = self._drift + (1.0 - exp(-twin.dt / DRIFT_S)) * (held.speeds - self._drift)
         moved = norm(self._drift[:, :2]) + self._patients.jaw.mouthpiece[..., 0] * norm(self._drift[:, 2:])
-        stay = ALIKE / (TICK * moved.clamp(min=SLOWEST_DRIFT))
+        dwell = ALIKE / (TICK * moved.clamp(min=SLOWEST_DRIFT))
         noise = (twin.wrench_variance + twin.disturbance_variance)[:3].mean()
-        weight: Tensor = noise / (noise + stay * (twin.doubt * carried).square())
+        weight: Tensor = noise / (noise + dwell * (twin.systematic_error * carried).square())
         return weight

@@ -105,8 +105,8 @@ class Twin:
         self.reach = float(device["full_scale"]) / self.servo
         self.encoder_sd = torch.tensor(np.sqrt(noise["measurement_variance"][:6]))
         self.wrench_variance = torch.tensor(noise["wrench_variance"][:6])
-        self.lasting, self.doubt = float(noise["lasting"]), float(noise["doubt"])
-        self.counts_whole = bool(noise["whole"] > 0.0)
+        self.model_error, self.systematic_error = float(noise["model_error"]), float(noise["systematic_error"])
+        self.first_ticks_count = bool(noise["full_weight_ticks"] > 0.0)
         self.nuisances = Nuisances.of(noise["nuisances"])
         # m/s that the unmodelled force gives the mouthpiece in a tick: so fast shakes a jaw that is held still.
         self.shaking = TICK * float(model["mouthpiece_mobility"]) * float(noise["wrench_variance"][0]) ** 0.5

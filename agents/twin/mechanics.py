@@ -79,7 +79,7 @@ class Passive(NamedTuple):
     units: Tensor  # (..., 5, 6) generalised force of 1 N along each line, Q_m
     stretching: Tensor  # (..., 6, 2) derivatives of T and T b s by the length, k
     gap: Tensor  # (...,) of the nearest tooth, m
-    bite: Tensor  # (...,) force of all teeth, N
+    bite_force: Tensor  # (...,) force of all teeth, N
 
 
 def norm(vector: Tensor) -> Tensor:

@@ -31,7 +31,7 @@ def searched(
     updates: int,
     *,
     asked: Array | None = None,
-    known: tuple[Array, Array] | None = None,
+    beliefs: tuple[Array, Array] | None = None,
     price: Callable[[], float] = lambda: PRICE,
     report: Callable[[int, Array, float], None] = lambda done, targets, worst: None,
 ) -> Array:
@@ -44,7 +44,7 @@ def searched(
         base: (N, T, 4) targets that the search begins with.
         updates: steps of Adam.
         asked: (P, 6) the muscles asked for of each patient; all by default.
-        known: (N, 12) means and (N, 12, 12) precisions that the groups' beliefs begin with; the prior's by default.
+        beliefs: (N, 12) means and (N, 12, 12) precisions that the groups' beliefs begin with; the prior's by default.
         price: nats that a second of the twin's discomfort is worth in the next update.
         report: called after each update with the updates done, the targets (N, T, 4) that it tried, and the mean over
             patients of their ``log_worst`` at the end.
@@ -62,8 +62,8 @@ def searched(
         treated = patients() if callable(patients) else patients
         together = len(treated) // len(start)
         worlds = Worlds(twin, treated, asked=wanted)
-        if known is not None:
-            worlds.belief.know(*(torch.tensor(part).repeat_interleave(together, 0) for part in known))
+        if beliefs is not None:
+            worlds.belief.know(*(torch.tensor(part).repeat_interleave(together, 0) for part in beliefs))
         cost = cost_of(worlds, targets.repeat_interleave(together, 0), price())
         optimiser.zero_grad()
         cost.reshape(len(start), together).mean(-1).sum().backward()  # type: ignore[no-untyped-call]

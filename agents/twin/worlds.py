@@ -30,7 +30,7 @@ from jawenv.device.guard import (
     SHRINK_S,
 )
 from jawenv.device.motors import STOP_ONSET_WIDTH
-from jawenv.filter.readings.teeth import NEAR
+from jawenv.filter.readings.teeth import LEAST_GAP
 
 FURTHEST = torch.tensor([2e-3, 2e-3, 0.05, 0.05, 0.05], dtype=torch.float64)
 """m and rad of a Newton step, at most: beyond that a jaw that is nearly free is off its linearisation."""
@@ -110,7 +110,7 @@ class Worlds:
 
     def seen(self) -> Tensor:
         """Share (P,) of the readings from which the filter learns: it sees the gap within the encoders' noise."""
-        share: Tensor = ((self.passive.gap - NEAR) / self.twin.encoder_sd[0]).sigmoid()
+        share: Tensor = ((self.passive.gap - LEAST_GAP) / self.twin.encoder_sd[0]).sigmoid()
         return share
 
     def held(self) -> Held:

@@ -39,7 +39,7 @@ EVERY = 2  # of the control steps one is shown
 RIGHT, UP = np.array([0.707, 0.707, 0.0]), np.array([0.0, 0.0, 1.0])  # of the viewer
 LOOK_AT = np.array([0.4, 0.0, -0.75])
 LAYOUTS = {"wide": (2.5 * RIGHT, 13.0), "narrow": (-3.75 * UP, 41.0)}
-"""Of a page: from one jaw to the next, units of the scene, and the angle of view, degrees."""
+"""Steps on a page: from one jaw to the next, units of the scene, and the angle of view, degrees."""
 CAMERA = np.array([12.4, -12.0, 1.2])
 BAR, GAP, TALLEST, BARS_AT, BARS_RIGHT = 0.2, 0.3, 0.8, -2.25, 0.25
 BEST_SD, KNOWN_SD = 0.01, 0.05

@@ -128,7 +128,7 @@ def adaptations(study: Results) -> tuple[Gain, ...]:
 
 def verdict(difference: Interval) -> str:
     """`adapts` where the whole difference of logs is below 0, `does worse` where it is above, else `not shown`."""
-    if not difference.known:
+    if not difference.exists:
         return "not known"
     if difference.high < 0.0:
         return "adapts"

@@ -33,7 +33,7 @@ def raw(value: float) -> str:
 
 def interval(estimate: Interval, digits: int = 1) -> str:
     """The ends of an interval, or nothing where there is none or all patients agree."""
-    if not estimate.known or estimate.low == estimate.high:
+    if not estimate.exists or estimate.low == estimate.high:
         return ""
     return f"{number(estimate.low, digits)} … {number(estimate.high, digits)}"
 

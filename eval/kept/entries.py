@@ -188,7 +188,7 @@ def _of_a_run(spec: str, trained: Configuration, asked: Configuration) -> tuple[
     """World of a trained run, and notes on its differences from the world asked for and from the training."""
     if not fits(trained, asked):
         raise InputError(
-            f"{spec} was trained in {_told(trained)}, but this comparison is in {_told(asked)}: "
+            f"{spec} was trained in {_env_in_words(trained)}, but this comparison is in {_env_in_words(asked)}: "
             "entries of one comparison have one environment"
         )
     # Arguments implied by an id need no note: the id names them.
@@ -202,7 +202,7 @@ def _of_a_run(spec: str, trained: Configuration, asked: Configuration) -> tuple[
     return replace(asked, **own), notes
 
 
-def _told(world: Configuration) -> str:
+def _env_in_words(world: Configuration) -> str:
     return world.env_id if world.asked is None else f"{world.env_id} with asked"
 
 

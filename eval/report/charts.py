@@ -276,7 +276,7 @@ def _point(ranking: Ranking, i: int, x: float, y: float, interval: Interval, hov
     """A dot with its interval."""
     colour = drawing.colours(ranking)[ranking.rows[i].entry]
     point = _mark(i, x, y, {"size": 11} | _look(ranking, i), hover)
-    has_ends = interval.known and math.isfinite(interval.high)
+    has_ends = interval.exists and math.isfinite(interval.high)
     high, low = (max(interval.high - x, 0.0), max(x - interval.low, 0.0)) if has_ends else (0.0, 0.0)
     error = {"type": "data", "array": [high], "arrayminus": [low], "symmetric": False, "color": colour}
     return point | {"error_x": error | {"thickness": 3, "width": 0}}

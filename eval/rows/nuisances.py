@@ -10,11 +10,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from jawenv.analysis.joint_likelihood import belief_of_nuisances
-from jawenv.filter.nuisances.unknowns import AGAIN, ENDS, MOTORS, UNKNOWNS, Values
+from jawenv.filter.nuisances.unknowns import AGAIN, ATTACHMENTS, MOTORS, UNKNOWNS, Values
 
 _OF_NAME = (
-    dict.fromkeys(ENDS, "attachments")
-    | {unknown.name: unknown.group for unknown in UNKNOWNS if unknown.told}
+    dict.fromkeys(ATTACHMENTS, "attachments")
+    | {unknown.name: unknown.group for unknown in UNKNOWNS if unknown.estimated}
     | {MOTORS: "force of each motor", AGAIN: "inertia"}
 )
 GROUPS = (

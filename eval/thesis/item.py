@@ -25,9 +25,9 @@ class Judgement:
     figures: dict[str, Interval]  # what was measured, by a name with its unit
 
 
-def judged(whole: bool, part: bool, figures: dict[str, Interval]) -> Judgement:
+def judged(fully: bool, partly: bool, figures: dict[str, Interval]) -> Judgement:
     """Judgement of a result that the draws reproduce as a whole, or in part."""
-    return Judgement("reproduced" if whole else "partly" if part else "not reproduced", figures)
+    return Judgement("reproduced" if fully else "partly" if partly else "not reproduced", figures)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ THREE_SIGMA = 0.9973  # of a normal distribution
 
 THESIS = ExtendedKalman("linear", parameter_rate=0.01, parameter_time=math.inf)
 OURS = ExtendedKalman("log")
-_TOLD = {"linear": "F_o and b", "log": "their logs"}
+_UNKNOWNS = {"linear": "F_o and b", "log": "their logs"}
 NOISES = {
     "none, F_o and b": ExtendedKalman("linear", parameter_rate=0.0, parameter_time=math.inf),
     "constant, F_o and b": THESIS,
@@ -74,14 +74,14 @@ def judge_sides(table: pd.DataFrame) -> Judgement:
     """Converging: sds fall; accurate: errors within 3 sigma at the end of nearly all draws."""
     figures: dict[str, Interval] = {}
     known, good = {}, {}
-    for case, told in _TOLD.items():
+    for case, unknown in _UNKNOWNS.items():
         end = rows.last(rows.of_case(table, case))
         inside, error = statistics.share(_inside(end, 3.0).groupby(end["draw"]).all().to_numpy()), rows.rmse(end)
         figures |= {
-            f"error of {told}, %": rows.percent(error),
-            f"worst sd of {told}, %": rows.percent(rows.over_draws(end, "sd")),
-            f"all within 3σ of {told}, %": rows.percent(inside),
-            f"median NEES of {told} (calibrated: 3.4)": rows.over_draws(end, "nees"),
+            f"error of {unknown}, %": rows.percent(error),
+            f"worst sd of {unknown}, %": rows.percent(rows.over_draws(end, "sd")),
+            f"all within 3σ of {unknown}, %": rows.percent(inside),
+            f"median NEES of {unknown} (calibrated: 3.4)": rows.over_draws(end, "nees"),
         }
         known[case] = error.value < KNOWN
         good[case] = known[case] and inside.high >= THREE_SIGMA**4
@@ -104,7 +104,7 @@ def judge_full(table: pd.DataFrame) -> Judgement:
     fast = statistics.quantile(_time_to_known(table, "two sides"), 0.5)
     prior = float(rows.of_case(table, "log").groupby("draw")["sd"].max().median())
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
-    figures = {f"error of {told}, %": rows.percent(error[case]) for case, told in _TOLD.items()} | {
+    figures = {f"error of {unknown}, %": rows.percent(error[case]) for case, unknown in _UNKNOWNS.items()} | {
         "half of the 12 within 10 % after, s": slow,
         "half of the four within 10 % after, s": fast,
     }

@@ -28,7 +28,7 @@ from jawenv.recordings.table import RecordTable, checked_path, read_table
 from jawenv.recordings.untold.learnt import Learnt, identified_with_errors
 from jawenv.recordings.words import WORDS
 
-APART = 1.5
+INCONSISTENT = 1.5
 """Temperature from which parts of a recording disagree so much that other axes are tried."""
 
 if TYPE_CHECKING:
@@ -118,10 +118,10 @@ def _identified(
     if found.believable and (learnt is None or learnt.usual):
         return record, found, learnt
     own = by_its_motion(table, record, **reading)
-    fits = found.believable and found.temperature < APART
+    fits = found.believable and found.temperature < INCONSISTENT
     if own is not None and (size_in(own.jaw) != 1.0 or not fits):
         again, errors = identified_with_errors(own)
-        if again.believable and (not found.believable or size_in(own.jaw) != 1.0 or again.temperature < APART):
+        if again.believable and (not found.believable or size_in(own.jaw) != 1.0 or again.temperature < INCONSISTENT):
             return own, again, errors
     return record, found, learnt
 

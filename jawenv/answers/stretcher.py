@@ -89,7 +89,7 @@ def changes(now: Stretched, before: Stretched) -> dict[str, Array]:
     return {f"force at {mm:g} mm": ratios[:, i] for i, mm in enumerate(now.openings[:both])} | {"total pull": total}
 
 
-def told(found: Stretched) -> dict[str, bool]:
+def measured(found: Stretched) -> dict[str, bool]:
     """Whether the log tells each of these: its error bar is at most half of what it was before."""
     before, after = pulls(found.prior), pulls(found.theta)
     words = {name: bool(np.std(after[name]) <= MEASURED * np.std(before[name])) for name in before}
@@ -108,7 +108,7 @@ def _one(found: Stretched) -> dict[str, Any]:
         "openings_mm": found.openings.tolist(),
         "forces_N": [_quantiles(force) for force in found.forces.T] if found.believed else [],
         "pulls_N": {n: _quantiles(np.exp(v)) for n, v in pulls(found.theta).items()} if found.believed else {},
-        "told": told(found) if found.believed else {},
+        "told": measured(found) if found.believed else {},
         "assumed": {"cohort": found.cohort.name, "head_tilt_deg": found.log.head_tilt_deg} | vars(found.assumed),
     }
 
@@ -136,7 +136,7 @@ def _lines(found: Stretched) -> list[str]:
     lines += ["", "force that holds the relaxed jaw open, N, 90 %"]
     forces = zip(found.openings, found.forces.T, strict=True)
     lines += [f"{f'{opening:g} mm':18} {_interval(force)}" for opening, force in forces]
-    pull, known_of = pulls(found.theta), told(found)
+    pull, known_of = pulls(found.theta), measured(found)
     lines += ["", "pull of the closed jaw F_o, N, 90 %"]
     for name, title in (("all", "all muscles"), ("left", "left"), ("right", "right"), ("left : right", "left : right")):
         lines.append(f"{title:18} {_interval(np.exp(pull[name]))}{'' if known_of[name] else f'   {NOT_MEASURED}'}")

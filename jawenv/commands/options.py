@@ -142,19 +142,19 @@ def _annotated(kind: Any, name: str, help: str, metavar: str) -> Any:
     return Annotated[kind | None, typer.Option(name, help=help, metavar=metavar, rich_help_panel=WORLD)]
 
 
-def _world(given: Mapping[str, Any]) -> dict[str, Any]:
+def _world(options: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments as the environment takes them."""
     from jawenv.envs.configuration import Configuration, plain_value
 
     arguments = {argument.name: argument.metadata["option"] for argument in fields(Configuration)}
     settable = [name for name, option in arguments.items() if not option and name != "model"]
     world: dict[str, Any] = {}
-    for text in given.get(_SET, ()):
+    for text in options.get(_SET, ()):
         name, _, value = text.partition("=")
         if name not in settable:
             raise not_among("--set", name, settable)
         world[name] = _plain(value)
-    for name, value in given.items():
+    for name, value in options.items():
         if name != _SET:
             world[name] = _fields(name, value) if arguments.get(name) == "fields" else value
     return {name: plain_value(name, value) if name in _MAY_BE_FILES else value for name, value in world.items()}

@@ -105,7 +105,7 @@ def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: s
         _give_up_stdout()  # a full disk, say
         message = f"the standard output cannot be written: {reason_of(error)}"
     except typer.TyperException as error:
-        prefix = _given(error)
+        prefix = _faulty_value(error)
         message = _NO_NUMBER.sub(lambda match: f"{prefix}allowed: a {_WORDS[match[1]]}", error.format_message())
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
     return 2
@@ -117,7 +117,7 @@ def _give_up_stdout() -> None:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
-def _given(error: typer.TyperException) -> str:
+def _faulty_value(error: typer.TyperException) -> str:
     """The faulty value of ``error`` and a semicolon; empty where typer's cause does not name it."""
     problems = getattr(error.__cause__, "errors", None)
     return f"'{problems()[0]['input']}'; " if callable(problems) else ""

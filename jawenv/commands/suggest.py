@@ -33,7 +33,7 @@ def suggest_next(path: Path, output: Path, wanted: dict[str, Any], reading: dict
         raise InputError(f"--output: {output} exists already; replace it with --overwrite")
     check_kept(output, [path, *reading.values()])
     record = load_record(path, BENCH, **reading)
-    found = suggest(record, **wanted, told=partial(print, file=sys.stderr, flush=True))
+    found = suggest(record, **wanted, announce=partial(print, file=sys.stderr, flush=True))
     maneuver, before = led_back(record, found)
     save_maneuver(maneuver, output)
     weakest = least_known(record, found.found)

@@ -69,7 +69,7 @@ _DRIVES = np.array([[channel in DRIVERS[limit] for channel in CHANNELS] for limi
 class _Budget:
     """An episode's budget of discomfort, as the guard keeps it."""
 
-    whole: float  # s of discomfort of 1; 0 for no budget
+    total: float  # s of discomfort of 1; 0 for no budget
     spent: float  # s
     hard: Annotated[Array, N_LIMITS]  # limits over the soft ones
     margin: Annotated[Array, N_LIMITS]  # as last seen
@@ -132,7 +132,7 @@ def keep_budget(budget: _Budget, margin, dt):
     """
     for limit in range(N_LIMITS):
         budget.spent += dt * max(-margin[limit], 0.0) / (budget.hard[limit] - 1.0)
-    asked = min(ASKED_MARGIN[0] * (budget.spent / budget.whole) ** 2, ASKED_MARGIN[1])
+    asked = min(ASKED_MARGIN[0] * (budget.spent / budget.total) ** 2, ASKED_MARGIN[1])
     for channel in range(N_CHANNELS):
         lack = passed = 0.0
         for limit in range(N_LIMITS):

@@ -98,7 +98,7 @@ class WorldReader:
         if self._asked is not None:
             info["asked"] = self._asked[0].copy()
         if self._budget is not None:
-            info["spent"] = self._budget["spent"].item(0) / self._budget["whole"].item(0)
+            info["spent"] = self._budget["spent"].item(0) / self._budget["total"].item(0)
         if self._bounded:
             info["bound_sd"] = np.sqrt(self._bound_variance[0])
             info["information_bound"] = 0.5 * (prior - self._log_det_bound.item(0))
@@ -135,7 +135,7 @@ class WorldReader:
         if self._asked is not None:
             info["asked"] = self._asked.copy()
         if self._budget is not None:
-            info["spent"] = self._budget["spent"] / self._budget["whole"]
+            info["spent"] = self._budget["spent"] / self._budget["total"]
         if self._bounded:
             info["bound_sd"] = np.sqrt(self._bound_variance)
             info["information_bound"] = 0.5 * (self._prior - self._log_det_bound)

@@ -65,10 +65,10 @@ class Simulation:
         own_plant = configuration.own_plant
         self._jaw = build_jaw(muscles, mandible, configuration.fossa, free=self.model.free)
         self.knowledge = configuration.build_knowledge()
-        lasting = bool(self.device[0]["unmodelled_time"] > 0.0)
-        self.nuisance_sds = self._directions(lasting)
+        with_memory = bool(self.device[0]["unmodelled_time"] > 0.0)
+        self.nuisance_sds = self._directions(with_memory)
         """One sd of each nuisance that the filter integrates out, in its order."""
-        disturbance = N_WRENCH if lasting else 0
+        disturbance = N_WRENCH if with_memory else 0
         sizes = len(muscles), len(muscles.muscle), N_STATES, len(self.nuisance_sds), disturbance
         parts = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self.nuisance_sds, self._jaw
         self.settings = build_settings(configuration, Geometry(*parts, self.force_errors), sizes)
@@ -102,14 +102,14 @@ class Simulation:
         self.own_estimators = None if configuration.own_estimator is None else self._own_estimators()
         """The user's estimators, where they are in the place of the device's filter."""
 
-    def _directions(self, lasting: bool) -> list[Values]:
+    def _directions(self, with_memory: bool) -> list[Values]:
         """One sd of each nuisance; none where all is known exactly."""
         if self.knowledge.exact and self._motor_sds is None:
             return []
         from jawenv.filter.nuisances.directions import directions
 
         about = self.cohort.muscles, self._jaw, self.cohort.typical, self._motor_sds
-        return directions(self.knowledge, *about, lasting=lasting)
+        return directions(self.knowledge, *about, with_memory=with_memory)
 
     def _own_estimators(self) -> OwnEstimators:
         from jawenv.envs.own_estimators import OwnEstimators
@@ -296,9 +296,9 @@ class Simulation:
 
     def _show_end(self, chosen: NDArray[np.bool_]) -> None:
         if self.configuration.asked is not None or self.configuration.comfort_budget_s is not None:
-            from jawenv.envs.observation.ends import show_ends
+            from jawenv.envs.observation.optional import fill_optional_parts
 
-            show_ends(self, chosen)
+            fill_optional_parts(self, chosen)
 
     def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         shared = Shared(self.device, self.settings, self.scratches)

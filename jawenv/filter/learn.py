@@ -73,7 +73,7 @@ def set_steps(belief: Belief, scratch: LearnScratch):
 def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     """Move motion and score to the belief's mean.
 
-    Beside a disturbance with memory, what a jaw at rest does not show stays nominal (``changes.is_apart``).
+    Beside a disturbance with memory, what a jaw at rest does not show stays nominal (``changes.separates_statics``).
     """
     set_steps(belief, scratch)
     row = scratch.row

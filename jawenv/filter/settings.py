@@ -35,14 +35,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-LASTING = 2e-3
+MODEL_ERROR = 2e-3
 """Share of the force that is carried which the filter may have wrong at a pose (G): its own errors of second order."""
 
-KNOWN_LASTING = 6e-4
+MODEL_ERROR_EXACT = 6e-4
 """The same with a known anatomy, as readings count for less."""
 
-WHOLE_TICKS = 1500.0
-"""Ticks at a pose that count whole where muscles and white noise are all that is unknown."""
+FULL_WEIGHT_TICKS = 1500.0
+"""Ticks at a pose that count in full where muscles and white noise are all that is unknown."""
 
 
 class Geometry(NamedTuple):
@@ -88,12 +88,12 @@ def noise_of(device: Device, force_sensor: ForceSensor, dt: float) -> Noise:
     """The filter's noise for a device in ticks of ``dt`` (10 ms)."""
     record, variances = device_with_sensor(force_sensor, device)[0], wrench_variances(device, force_sensor)
     time = float(record["unmodelled_time"])
-    lasting = np.repeat([float(record[f"unmodelled_{kind}"]) for kind in ("force", "moment")], 3)
+    remembered = np.repeat([float(record[f"unmodelled_{kind}"]) for kind in ("force", "moment")], 3)
     new = variances[:N_WRENCH]
     if time > 0.0:
-        new = least_noise.wrench_variance(new - lasting**2)
+        new = least_noise.wrench_variance(new - remembered**2)
     cell_sd = np.sqrt(variances[N_WRENCH:])
-    return Noise(dt, least_noise.encoder_sds(record), new, cell_sd, float(record["cell_gain"]), lasting, time)
+    return Noise(dt, least_noise.encoder_sds(record), new, cell_sd, float(record["cell_gain"]), remembered, time)
 
 
 def used_readings(sensors: str) -> NDArray[np.bool_]:
@@ -112,10 +112,10 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
         start_sd: (n,) of the motion at the start.
     """
     settings["dt"], settings["gain_variance"] = noise.dt, noise.gain_sd**2
-    settings["lasting"] = LASTING
+    settings["model_error"] = MODEL_ERROR
     imaged = bool(geometry.sds) and geometry.knowledge != Knowledge()
-    settings["doubt"] = LASTING if imaged else KNOWN_LASTING
-    settings["whole"] = 0.0 if geometry.sds or noise.disturbance_time_s > 0.0 else WHOLE_TICKS
+    settings["systematic_error"] = MODEL_ERROR if imaged else MODEL_ERROR_EXACT
+    settings["full_weight_ticks"] = 0.0 if geometry.sds or noise.disturbance_time_s > 0.0 else FULL_WEIGHT_TICKS
     settings["measurement_variance"] = noise.measurement_sd**2
     settings["wrench_variance"] = noise.wrench_variance
     settings["start_sd"][: len(start_sd)] = start_sd
@@ -124,7 +124,7 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
     settings["basis"] = build_basis(geometry.jaw, geometry.prior)[0]
     settings["prior_mean"], settings["prior_sd"] = geometry.prior.mean, geometry.prior.sd
     if geometry.sds:
-        from jawenv.filter.nuisances.known_within import write_nuisances
+        from jawenv.filter.nuisances.records import write_nuisances
 
         assert geometry.muscles is not None
         parts = geometry.upright, geometry.knowledge, geometry.muscles, geometry.sds

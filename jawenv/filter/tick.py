@@ -6,12 +6,12 @@
 |--:|---|---|---|
 | 1 | ``mark_frozen``, ``repair_samples`` | load cell | ``samples``, ``frozen``, ``wrench_variance`` |
 | 2 | ``add_tooth_noise`` | motion | ``wrench_variance`` |
-| 3 | ``add_lasting_noise`` | motion, its rates | ``wrench_variance`` |
+| 3 | ``add_model_error`` | motion, its rates | ``wrench_variance`` |
 | 4 | ``predict_motion`` | 1 to 3 | motion, covariance, derivative by tensions |
 | 5 | ``follow_trend`` | 1 | ``trend``, ``smoothed`` |
 | 6 | ``correct_readings``, ``mark_usable`` | encoders, nuisances | ``scratch.measured``, ``used`` |
-| 7 | ``bite_of``, ``bite_read`` | 4, 6 | ``bite``: how near the teeth are |
-| 8 | ``weight_of_stay`` | 4 | ``weight``, visits of poses |
+| 7 | ``bite_force``, ``read_bite`` | 4, 6 | ``bite``: whether teeth press |
+| 8 | ``reading_weight`` | 4 | ``weight``, visits of poses |
 | 9 | ``is_resolved`` | 1, 7 | whether anything is learnt |
 | 10 | ``forget_motion`` | 7 | motion as encoders alone have it |
 | 11 | ``update_motion`` | 4 to 9 | motion, information, score, verdict of the gate |
@@ -38,11 +38,11 @@ from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, beg
 from jawenv.filter.learn import LearnScratch, conclude, keep_passing, learn, learn_scratch_dtype, recentre
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.motion_step import N_SAMPLES
-from jawenv.filter.nuisances.if_any import all_known, begin_jaw, correct_readings, follow_friction
+from jawenv.filter.nuisances.if_any import begin_jaw, correct_readings, follow_friction, no_nuisances
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
-from jawenv.filter.readings.lasting import add_lasting_noise, weight_of_stay
+from jawenv.filter.readings.model_error import add_model_error, reading_weight
 from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
-from jawenv.filter.readings.teeth import NEAR, add_tooth_noise, bite_of, bite_read, forget_motion, reads_pose
+from jawenv.filter.readings.teeth import LEAST_GAP, add_tooth_noise, bite_force, forget_motion, read_bite, reads_pose
 from jawenv.filter.updates.measurement_update import (
     EXPECTED,
     REFUSED,
@@ -62,11 +62,11 @@ from jawenv.mechanics.jaw import Jaw
 # last were.
 FIRST_WINDOW, LAST_WINDOW = 5, 20480
 MOVED, MOVED_SDS = 0.05, 1.4  # of a natural logarithm; sds of the present belief
-# All are, until every sd is below ``NEAR_SD``. From then on those since the last time are, from the belief that was
+# All are, until every sd is below ``CONVERGED_SD``. Then those since the last time are, from the belief that was
 # kept: forces are linear in coefficients of tension, so that readings once linearised near the truth need not be read
 # again. A count of readings or ticks in its place loses people whose jaws are known within a factor of ten at first.
 # Nuisances move on: with these all are read again.
-NEAR_SD = 0.1
+CONVERGED_SD = 0.1
 
 
 ROW = np.dtype([("measured", np.float32, N_MEASUREMENTS), ("samples", np.float32, (N_SAMPLES, N_WRENCH))], align=True)
@@ -120,7 +120,7 @@ def _jaw_at_mean(jaw: Jaw, belief: Belief):
     return belief.jaw
 
 
-@where(all_known, otherwise=_jaw_at_mean)
+@where(no_nuisances, otherwise=_jaw_at_mean)
 def _model_of(jaw: Jaw, belief: Belief):
     """The jaw for the filter: the nominal one, or with nuisances the one at their mean."""
     return jaw
@@ -145,23 +145,23 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         left_out += repair_samples(
             belief, samples, scratch.frozen, settings.dt, scratch.wrench_variance, scratch.samples
         )
-        add_tooth_noise(bite_of(jaw, belief.motion), scratch.wrench_variance)
-        bite = bite_of(jaw, belief.motion, NEAR)
-        add_lasting_noise(jaw, belief, settings, scratch.wrench_variance)
+        add_tooth_noise(bite_force(jaw, belief.motion), scratch.wrench_variance)
+        bite = bite_force(jaw, belief.motion, LEAST_GAP)
+        add_model_error(jaw, belief, settings, scratch.wrench_variance)
         scratch.before[:] = belief.motion
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
         follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
-        bite = max(bite, bite_of(jaw, belief.motion, NEAR))
+        bite = max(bite, bite_force(jaw, belief.motion, LEAST_GAP))
     correct_readings(belief, settings.nuisances, measured, scratch.measured)
     left_out += mark_usable(jaw, belief, measured, settings, scratch)
     if tick > 0:
         sees = reads_pose(scratch.used, settings.measurement_variance)
         if sees:
-            bite = max(bite, bite_read(jaw, scratch.measured, NEAR))
-        weight = weight_of_stay(jaw, belief, settings)
+            bite = max(bite, read_bite(jaw, scratch.measured, LEAST_GAP))
+        weight = reading_weight(jaw, belief, settings)
         resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0)
-        if sees and belief.near > 0:
+        if sees and belief.contact_ticks > 0:
             forget_motion(jaw, belief, scratch.before, settings.start_sd)
     scratch.verdict = EXPECTED
     if scratch.used.any():
@@ -212,14 +212,14 @@ def _first_of_all(belief: Belief, kept: Belief, settings: FilterSettings, scratc
     return 0
 
 
-@where(all_known, otherwise=_first_of_all)
+@where(no_nuisances, otherwise=_first_of_all)
 def _return_to(belief: Belief, kept: Belief, settings: FilterSettings, scratch: FilterScratch):
     """Once the muscles are nearly known, return to what the last replay left, at the present mean.
 
     Returns the first row to filter again.
     """
     for i in range(belief.mean.shape[0]):
-        if belief.replayed == 0 or belief.cov[i, i] > NEAR_SD * NEAR_SD:
+        if belief.replayed == 0 or belief.cov[i, i] > CONVERGED_SD * CONVERGED_SD:
             return 0
     first = belief.replayed + 1
     kept.mean[:], kept.cov[:, :] = belief.mean, belief.cov
@@ -230,7 +230,7 @@ def _return_to(belief: Belief, kept: Belief, settings: FilterSettings, scratch: 
     return first
 
 
-@where(all_known)
+@where(no_nuisances)
 def _keep(belief: Belief, kept: Belief):
     """Let ``kept`` be the belief."""
     copy_record(kept, belief)

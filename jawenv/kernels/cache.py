@@ -41,8 +41,8 @@ from jawenv.base.files import atomic_write
 from jawenv.kernels.compiler import reading_linked
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
-MADE_OF = "made_of"  # attribute of a kernel's part: the functions that it stands for, and names of ``APART``
-APART = frozenset(
+MADE_OF = "made_of"  # attribute of a kernel's part: the functions that it stands for, and names of ``LAZY_MODULES``
+LAZY_MODULES = frozenset(
     {
         "jawenv.filter.bound.with_nuisances",
         "jawenv.filter.nuisances.changed_jaw",
@@ -125,7 +125,7 @@ def kernel_digest(function: FunctionType) -> str:
             continue
         seen.add(part)
         if isinstance(part, str):
-            pieces, references = _module_apart(part)
+            pieces, references = _lazy_module(part)
         else:
             digest.update(f"{part.__module__}.{part.__qualname__}{part.__dict__.get(OPTIONS)}".encode())
             pieces, references = [*_pieces_of(part.__code__, part.__doc__)], [*_references(part)]
@@ -134,7 +134,7 @@ def kernel_digest(function: FunctionType) -> str:
         for name, value in references:
             called = _function_of(value)
             module = value if isinstance(value, str) else getattr(called, "__module__", "")
-            if module in APART:
+            if module in LAZY_MODULES:
                 pending.append(module)
             elif hasattr(value, MADE_OF):
                 pending += getattr(value, MADE_OF)
@@ -174,8 +174,8 @@ def _references(function: FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 @cache
-def _module_apart(name: str) -> tuple[list[bytes], list[tuple[str, Any]]]:
-    """Code of one of ``APART``, which need not be loaded, and what its functions use of other modules."""
+def _lazy_module(name: str) -> tuple[list[bytes], list[tuple[str, Any]]]:
+    """Code of one of ``LAZY_MODULES``, which need not be loaded, and what its functions use of other modules."""
     spec: Any = find_spec(name)
     source = spec.loader.get_source(name)
     if source is None:  # an installation without sources, whose files do not change
@@ -189,8 +189,8 @@ def _module_apart(name: str) -> tuple[list[bytes], list[tuple[str, Any]]]:
 
 
 def _of_module(module: str, name: str) -> Any:
-    """The value of a name in a module; for one of ``APART`` the module's own name."""
-    return module if module in APART else getattr(importlib.import_module(module), name)
+    """The value of a name in a module; for one of ``LAZY_MODULES`` the module's own name."""
+    return module if module in LAZY_MODULES else getattr(importlib.import_module(module), name)
 
 
 def _function_of(value: Any) -> FunctionType | None:

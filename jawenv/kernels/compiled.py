@@ -19,7 +19,7 @@ from numba.np.ufunc import parallel
 
 from jawenv.base.errors import InputError
 from jawenv.kernels.cache import MADE_OF, OPTIONS, KernelCache, kernel_folder, one_process, prune_cache
-from jawenv.kernels.compiler import KNOWN, LinkedCompiler, quickly
+from jawenv.kernels.compiler import TESTED_NUMBA, LinkedCompiler, quickly
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -41,7 +41,7 @@ def _content_number(text: str) -> int:
 setattr(numba.types.Record, "mangling_args", property(_record_in_symbol))  # noqa: B010 - declared as a method
 
 
-LINKS = KNOWN
+LINKS = TESTED_NUMBA
 """Whether kernels are linked into others; with another Numba all are compiled."""
 
 
@@ -97,7 +97,7 @@ def where(
     Args:
         condition: of the types of some of the part's arguments, which it takes by their names.
         otherwise: the part elsewhere, with the same arguments; by default nothing is done. As a name
-            (``module.part``, in one of ``cache.APART``) it is loaded only where it is compiled.
+            (``module.part``, in one of ``cache.LAZY_MODULES``) it is loaded only where it is compiled.
     """
     asked = tuple(inspect.signature(condition).parameters)
 

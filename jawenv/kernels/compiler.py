@@ -3,7 +3,7 @@
 Numba optimises every kernel together with all that it calls, and makes machine code of it, with an entry for Python.
 Where a kernel is called by kernels alone, each of these does all that again. Here such a kernel stays what can be
 linked into others; only the outermost is optimised and becomes machine code, once. This and ``_sizes_differ`` are for
-the version of Numba that they were tested with (``KNOWN``). A first step takes, in s of a processor (``python -m
+the version of Numba that they were tested with (``TESTED_NUMBA``). A first step takes, in s of a processor (``python -m
 research.kernels``; two runs differ by 2):
 
 | as it is | no kernel linked | cycles collected | sizes in an error's message |
@@ -28,7 +28,7 @@ from numba.core.compiler import Compiler
 from numba.extending import overload
 from numba.np import arrayobj
 
-KNOWN = version_info.short == (0, 68)
+TESTED_NUMBA = version_info.short == (0, 68)
 """Whether this is the Numba that jawenv is tested with."""
 
 
@@ -153,6 +153,6 @@ def quickly() -> Iterator[None]:
     """Within it Numba compiles with less work."""
     with ExitStack() as stack:
         stack.enter_context(_without_collection())
-        if KNOWN:
+        if TESTED_NUMBA:
             stack.enter_context(patch.object(arrayobj, "raise_with_shape_context", _sizes_differ))
         yield

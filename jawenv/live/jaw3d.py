@@ -70,12 +70,12 @@ class Jaw3D:
         )
         self.show(scene)
 
-    def show(self, scene: Scene, whole: bool = True) -> None:
+    def show(self, scene: Scene, redraw: bool = True) -> None:
         """Move everything to a moment; what has not changed is not sent again.
 
         Args:
             scene: the moment.
-            whole: sizes, colours and the force as well. Browsers move things at once, and draw anew what has another
+            redraw: sizes, colours and the force as well. Browsers move things at once, and draw anew what has another
                 size or colour, which they never come to if it changes too often for them.
         """
         self._place("jaw", self._jaw, scene.rotation, scene.contact_m)
@@ -83,7 +83,7 @@ class Jaw3D:
         for i, handle in enumerate(self._muscles):
             start, end = scene.muscle_origin_m[i], scene.muscle_insertion_m[i]
             self._place(f"muscle {i}", handle, _turn_to((end - start) / np.linalg.norm(end - start)), start)
-        if whole:
+        if redraw:
             self._show_muscles(scene)
             self._show_force(scene)
 

@@ -15,7 +15,7 @@ from jawenv.live.stiffness import stiffness_colours
 from jawenv.rendering.muscles import muscle_colours
 
 _NARROW = 0.65  # width over height of the picture: 0.6 of 480 by 800, 0.69 between the panels of 1,400 by 900
-_WHOLE_EVERY_S = 0.15  # for sizes and colours; the motion is sent with every step
+_REDRAW_EVERY_S = 0.15  # for sizes and colours; the motion is sent with every step
 _PANEL_PX = 390
 _HOW_SURE, _HOW_STIFF = "how sure", "how stiff"
 _THEME = {"show_logo": False, "show_share_button": False}
@@ -36,7 +36,7 @@ class View:
 
     def __init__(self, server: Any, first: Shown) -> None:
         self._server, self.gui = server, server.gui
-        self._whole_at = 0.0
+        self._redrawn_at = 0.0
         self._jaw = Jaw3D(server, first.scene)
         self.gui.configure_theme(**_THEME, brand_color=_BRAND[False])
         for label, dark, modifier in (("Dark page", True, None), ("Light page", False, "shift")):
@@ -71,12 +71,12 @@ class View:
         """Show a moment, with a remark below the figures."""
         by_stiffness = self._colour.value == _HOW_STIFF
         now = time.monotonic()
-        whole = shown.ended or now - self._whole_at >= _WHOLE_EVERY_S
-        if whole:
-            self._whole_at = now
+        redraw = shown.ended or now - self._redrawn_at >= _REDRAW_EVERY_S
+        if redraw:
+            self._redrawn_at = now
         with self._server.atomic():
             self._jaw.colours = stiffness_colours if by_stiffness else muscle_colours
-            self._jaw.show(shown.scene, whole)
+            self._jaw.show(shown.scene, redraw)
             self._legend.content = panels.legend_html(shown.scene, by_stiffness)
             self._posterior.content = panels.posterior_html(shown.scene)
             self._strip.content = panels.strip_html(shown.scene)

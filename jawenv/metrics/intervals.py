@@ -24,7 +24,7 @@ class Interval:
     high: float
 
     @property
-    def known(self) -> bool:
+    def exists(self) -> bool:
         """Whether there is an interval: it takes two patients."""
         return not (np.isnan(self.low) or np.isnan(self.high))
 

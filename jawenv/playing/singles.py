@@ -28,18 +28,18 @@ class _World(gym.Wrapper[Any, Any, Any, Any]):
         if not isinstance(self.unwrapped, JawEnv):
             raise InputError(f"env_id is {shown(env_id)}; allowed: an environment of jawenv, or a subclass of one")
         self._index, self._last = index, (np.empty(0), dict[str, Any]())
-        self.ends = (False, False)
+        self.ended = (False, False)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
         patients = (options or {}).get("patients")
-        self.ends = (False, False)
+        self.ended = (False, False)
         return self.env.reset(seed=seed, options=None if patients is None else {"patient": patients[self._index]})
 
     def step(self, action: Any) -> Any:
         reward: Any = 0.0
-        if not any(self.ends):
+        if not any(self.ended):
             observation, reward, terminated, truncated, info = self.env.step(action)
-            self._last, self.ends = (observation, info), (terminated, truncated)
+            self._last, self.ended = (observation, info), (terminated, truncated)
         return self._last[0], reward, False, False, self._last[1]
 
 
@@ -64,7 +64,7 @@ class SingleWorlds(SyncVectorEnv):
     def step(self, actions: Any) -> Any:
         """One control period of every world that goes on; ``actions`` (N, 4)."""
         observations, rewards, _, _, infos = super().step(actions)
-        terminated, truncated = np.array([cast(_World, world).ends for world in self.envs]).T
+        terminated, truncated = np.array([cast(_World, world).ended for world in self.envs]).T
         return observations, rewards, terminated, truncated, infos
 
     @property

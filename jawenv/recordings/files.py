@@ -22,10 +22,10 @@ from jawenv.mechanics.dynamics import N_STATES
 from jawenv.recordings import defaults
 from jawenv.recordings.checks import check_columns, even_time
 from jawenv.recordings.columns import ENCODERS, SAMPLES, TIME, TRUE_MOTION, TRUE_WRENCH
-from jawenv.recordings.given import given_errors, given_geometry, given_prior, given_world
 from jawenv.recordings.mapping import mapped, read_columns
 from jawenv.recordings.record import Record
 from jawenv.recordings.resampling import resampled
+from jawenv.recordings.resolved import resolved_errors, resolved_geometry, resolved_prior, resolved_world
 from jawenv.recordings.series import begun, encoders, line_variance, samples, stacked, wrenches, written
 from jawenv.recordings.table import RecordTable, checked_path, read_table, write_table
 from jawenv.recordings.words import WORDS, check_numbers, check_texts
@@ -81,15 +81,15 @@ def load_record(
     table = begun(table)
     check_texts(table)
     header = {word: value for word, value in table.header.items() if _OVERRULED.get(word) not in settings}
-    world = given_world(configuration or defaults.UNLABELLED, settings, header, table.path)
+    world = resolved_world(configuration or defaults.UNLABELLED, settings, header, table.path)
     names, sensor = world.muscles.parameter_names, world.force_sensor
     check_numbers(table, {"states": N_STATES, "parameters": len(names)})
     tilt = header.get("head_tilt_deg", 0.0) if head_tilt_deg is None else head_tilt_deg
-    jaw = given_geometry(jaw, world, tilt, header, table.path)
+    jaw = resolved_geometry(jaw, world, tilt, header, table.path)
     time = even_time(table)
     check_columns(table)
     measured = encoders(table)
-    errors = given_errors(world, header, float(time[1] - time[0]))
+    errors = resolved_errors(world, header, float(time[1] - time[0]))
     errors["wrench_sd"] = np.sqrt(errors["wrench_sd"] ** 2 + line_variance(table, errors["cell_sd"]))
     start, truth = header.get("start_mean"), header.get("truth")
     if start is None:
@@ -103,7 +103,7 @@ def load_record(
         start_sd=np.array(header.get("start_sd", defaults.start_sd(jaw)), dtype=np.float64),
         knowledge=world.build_knowledge(),
         jaw=jaw,
-        prior=given_prior(world, header),
+        prior=resolved_prior(world, header),
         parameter_names=names,
         force_sensor=sensor,
         device=world.build_device() if is_of_a_device else None,

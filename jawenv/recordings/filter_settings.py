@@ -40,7 +40,7 @@ def settings_of_record(record: Record) -> Any:
         model = defaults.matching_models(record.parameter_names)[0]
         upright, muscle_set = _upright(record.jaw, Configuration(model=model.name)), model.muscles
         parts = record.knowledge, muscle_set, upright, record.prior.mean, None if force is None else force[0]
-        sds = directions(*parts, lasting=record.disturbance_time_s > 0.0)
+        sds = directions(*parts, with_memory=record.disturbance_time_s > 0.0)
     lines = len(record.jaw["l_o"]) if sds else 1
     disturbance = N_WRENCH if record.disturbance_time_s > 0.0 else 0
     settings = record_zeros(1, filter_settings_dtype(muscles, states, lines, len(sds), disturbance))[0]
@@ -68,7 +68,7 @@ def settings_of_configuration(configuration: Configuration, jaw: Any) -> Any:
     force = None if motor_sds is None else (motor_sds, device_with_sensor(sensor, device)[0])
     noise, spread = noise_of(device, sensor, TICK), start_sd(jaw)
     upright = _upright(jaw, configuration)
-    sds = directions(knowledge, muscles, upright, prior.mean, motor_sds, lasting=noise.disturbance_time_s > 0.0)
+    sds = directions(knowledge, muscles, upright, prior.mean, motor_sds, with_memory=noise.disturbance_time_s > 0.0)
     disturbance = N_WRENCH if noise.disturbance_time_s > 0.0 else 0
     sizes = len(muscles), len(spread), len(muscles.muscle), len(sds), disturbance
     settings = record_zeros(1, filter_settings_dtype(*sizes))[0]

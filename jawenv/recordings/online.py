@@ -158,7 +158,7 @@ class OnlineFilter:
         self._belief, self._kept = record_zeros(2, belief_dtype(muscles, states, lines, *sizes))
         self._rows: Any = record_zeros(LAST_WINDOW + 1, ROW)
         self._scratch: Any = record_zeros(1, filter_scratch_dtype(muscles, lines, states, *sizes))[0]
-        self._known_sd = self._settings["start_sd"][:states].copy()
+        self._start_sd = self._settings["start_sd"][:states].copy()
         self._measured, self._samples = np.empty(N_MEASUREMENTS), np.empty((N_SAMPLES, N_WRENCH))
         self._used = self._settings["used"].astype(bool)
         self.names, self.tick_s = names, float(self._settings["dt"])
@@ -170,7 +170,7 @@ class OnlineFilter:
         self._measured.fill(np.nan)
         self._samples.fill(np.nan)
         self._begin(
-            defaults.motion_of_reading(self._jaw, np.zeros(N_MEASUREMENTS), np.ones(N_MEASUREMENTS)), self._known_sd
+            defaults.motion_of_reading(self._jaw, np.zeros(N_MEASUREMENTS), np.ones(N_MEASUREMENTS)), self._start_sd
         )
         self._tick = 0
         self._take()
@@ -194,7 +194,7 @@ class OnlineFilter:
         if start_mean is not None:
             size = (self._states,)
             mean = _numbers("start_mean", start_mean, size)
-            sd = self._known_sd if start_sd is None else _numbers("start_sd", start_sd, size)
+            sd = self._start_sd if start_sd is None else _numbers("start_sd", start_sd, size)
             if not (np.isfinite(mean).all() and np.isfinite(sd).all() and (sd >= 0.0).all()):
                 raise InputError("start_mean or start_sd holds what is not allowed: finite numbers, sds of 0 or more")
             begun = mean, sd

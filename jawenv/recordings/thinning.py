@@ -43,7 +43,7 @@ def thinned(record: Record, every: int) -> Record:
         record: of T ticks.
         every: 1 to T.
     """
-    last = _whole_ticks(record, every)
+    last = _divisible_ticks(record, every)
     rows = slice(0, last + 1, every)
     return replace(
         record,
@@ -91,7 +91,7 @@ def divided(record: Record, parts: int) -> Record:
     )
 
 
-def _whole_ticks(record: Record, every: int) -> int:
+def _divisible_ticks(record: Record, every: int) -> int:
     """Number of the ticks that make whole longer ones."""
     ticks = len(record.samples)
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or not 1 <= every <= ticks:

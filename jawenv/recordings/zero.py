@@ -8,7 +8,7 @@ from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
 
-NEAR_MM = 3.0
+CLOSED_MM = 3.0
 """Distance from the closed jaw's place within which the teeth are together."""
 UNSEEN_DRIFT = "end as you began, teeth together, the device slack and still"
 LARGEST_CHANGE_N = 0.5
@@ -38,7 +38,7 @@ def change_of_zero(record: Record) -> float | None:
     force = np.array([_mean(record.samples[part, :, :3].reshape(-1, 3)) for part in parts])
     apart = 1e3 * np.linalg.norm(place - np.roll(place, 1, axis=0), axis=1).max()
     below = max(abs(_mean(below_closed(record)[part])) for part in parts)
-    if not (apart <= _STILL_MM and below <= NEAR_MM and np.isfinite(force).all()):
+    if not (apart <= _STILL_MM and below <= CLOSED_MM and np.isfinite(force).all()):
         return None
     ends = place.reshape(2, 2, 3).mean(axis=1)
     by_teeth = len(record.jaw["teeth"]) * float(record.jaw["tooth_stiffness"]) * abs(ends[1, 2] - ends[0, 2])

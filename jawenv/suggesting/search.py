@@ -23,7 +23,7 @@ def searched_actions(
     precision: Array,
     world: dict[str, Any],
     updates: int,
-    told: Callable[[str], None] = lambda text: None,
+    announce: Callable[[str], None] = lambda text: None,
 ) -> Array:
     """Actions (N, T, 4) of N movements after the search.
 
@@ -35,7 +35,7 @@ def searched_actions(
         precision: (N, 12, 12) of the same, with the prior's.
         world: arguments of the environment.
         updates: steps of the search.
-        told: called after each of them, in words.
+        announce: called after each of them, in words.
 
     Raises:
         MissingPackageError: torch, or the clone's package of agents, is not installed.
@@ -45,12 +45,12 @@ def searched_actions(
     env.reset(seed=seeds, options={"patients": patients})
     simulation = env.unwrapped.simulation
     treated = constants.Patients.of_worlds(simulation.worlds)
-    twin, known = constants.Twin(simulation), (mean, precision)
+    twin, beliefs = constants.Twin(simulation), (mean, precision)
 
     def report(done: int, *_: object) -> None:
-        told(f"searched, update {done} of {updates}")
+        announce(f"searched, update {done} of {updates}")
 
     asked = np.asarray(simulation.asked)
-    found = search.searched(twin, treated, goals_of(actions), updates, asked=asked, known=known, report=report)
+    found = search.searched(twin, treated, goals_of(actions), updates, asked=asked, beliefs=beliefs, report=report)
     env.close()
     return np.asarray(action_of(found), dtype=np.float32)

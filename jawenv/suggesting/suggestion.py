@@ -89,7 +89,7 @@ def suggest(
     seconds: float = 10.0,
     search: int = 0,
     asked: str | None = None,
-    told: Callable[[str], None] = lambda text: None,
+    announce: Callable[[str], None] = lambda text: None,
 ) -> _Suggestion:
     """Suggest the movement to record next of a recording's patient.
 
@@ -99,7 +99,7 @@ def suggest(
         search: steps down the gradient of the twin from the policy's movement on, which take about five seconds each;
             what it finds is suggested where more is expected of it.
         asked: the muscle whose error bars count, or a word of several, as `left`; all by default.
-        told: called with what goes on, in words.
+        announce: called with what goes on, in words.
 
     Raises:
         InputError: another length, model or muscle, or a recording that is not to be believed.
@@ -116,7 +116,7 @@ def suggest(
     model = defaults.model_of_geometry(record.jaw)
     if model is None or model[0] != "jaw":
         raise InputError("recording is of another jaw than the default one; allowed: that of jawenv/Jaw-v3")
-    told("identifying the recording")
+    announce("identifying the recording")
     found, _ = identified_with_errors(record)
     if not found.believable:
         raise InputError(f"recording is not to be believed: {found.doubts[0]}; allowed: one that identify believes")
@@ -133,16 +133,16 @@ def suggest(
     }
     patients = [_as_patient(row, model[1]) for row in drawn_from(mean[None], cov[None], _DRAWS, 0)[0]]
     known, prior = np.linalg.inv(cov), np.diag(record.prior.sd**-2)
-    told("playing its estimates")
+    announce("playing its estimates")
     believed = _as_patient(mean, model[1])
     actions = [suggested_actions([believed], world)]
     if search:
         actions.append(
             searched_actions(
-                actions[0], patients, seeds_of(patients, world), mean[None], known[None], world, search, told
+                actions[0], patients, seeds_of(patients, world), mean[None], known[None], world, search, announce
             )
         )
-    told(f"playing {_DRAWS} patients from the belief")
+    announce(f"playing {_DRAWS} patients from the belief")
     maneuvers = [*(_written_down(one[0], seconds) for one in actions), Maneuver.named(BESIDE)]
     *expected, beside = (_expected(Player(one), patients, world, known, counted) for one in maneuvers)
     best, maneuver = min(zip(expected, maneuvers, strict=False), key=lambda pair: pair[0].median)
@@ -231,8 +231,8 @@ def _expected(player: Player, patients: list[Patient], world: dict[str, Any], kn
     """Expected worth of a movement for patients beside the precision ``known`` (p, p), where ``counted`` (p,)."""
     played = play(player, patients=patients, seed=seeds_of(patients, world), env_kwargs=world)
     prior = Prior(played.prior_mean, played.prior_sd)
-    told = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)
-    covs = [np.linalg.inv(known + one) for one in told]
+    gains = np.linalg.inv(played.belief_cov[:, -1]) - np.diag(prior.sd**-2)
+    covs = [np.linalg.inv(known + one) for one in gains]
     low, median, high = np.quantile([_worst(cov, counted) for cov in covs], [0.05, 0.5, 0.95])
     return _Expected(float(median), float(low), float(high), float(score(played).discomfort_s.mean()))
 

@@ -35,7 +35,7 @@ def read_jaw_tracking_system(path: Path, unit: str | None) -> Tracks:
         InputError: no HDF5 file, a truncated one, a missing data set or attribute, or groups of several rates.
         MissingPackageError: h5py is not installed.
     """
-    groups, arrays = _read_apart(path)
+    groups, arrays = _read_in_process(path)
     places: dict[str, Array] = {}
     rotations: dict[str, Array] = {}
     rates = set()
@@ -52,7 +52,7 @@ def read_jaw_tracking_system(path: Path, unit: str | None) -> Tracks:
     return Tracks(str(path), np.arange(length) / rate, places, rotations)
 
 
-def _read_apart(path: Path) -> tuple[list[dict[str, Any]], Any]:
+def _read_in_process(path: Path) -> tuple[list[dict[str, Any]], Any]:
     """The file's groups and their arrays, read by a process of its own."""
     if importlib.util.find_spec("h5py") is None:
         raise MissingPackageError('HDF5 needs h5py: pip install "jawenv[mocap]"')

@@ -19,7 +19,7 @@ from jawenv.base.errors import InputError, shown
 from jawenv.base.files import write_text
 from jawenv.recordings.dialects import decoded
 from jawenv.recordings.table import DIGITS, LARGEST_RECORDING
-from jawenv.trackers.tracks import Array, Tracks, listed, millimetres, numbers, whole
+from jawenv.trackers.tracks import Array, Tracks, check_rows, listed, millimetres, numbers
 
 AXES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation from OpenSim's axes to forward, left and up."""
@@ -79,7 +79,7 @@ def _header_and_table(path: Path) -> tuple[dict[str, str], list[str], Array]:
         raise InputError(f"{path}: the first column is {shown(names[0] if names else '')}; allowed: time")
     names[0] = "time"
     table = numbers(str(path), [line for line in lines[end + 2 :] if line[1].strip()], names, None)
-    whole(str(path), len(table), header.get("nrows", header.get("datarows")), "nRows")
+    check_rows(str(path), len(table), header.get("nrows", header.get("datarows")), "nRows")
     return header, names, table
 
 

@@ -153,13 +153,13 @@ def _landmark(value: Any, scale: Array, tracks: Tracks, where: str) -> Array:
         if np.isfinite(closed).all(axis=1).any():
             mean: Array = np.nanmean(closed, axis=0)
             return mean
-    elif isinstance(value, list) and len(value) == 3 and all(_is_near(number) for number in value):
+    elif isinstance(value, list) and len(value) == 3 and all(_is_coordinate(number) for number in value):
         place: Array = scale @ np.array(value, dtype=np.float64)
         return place
     raise InputError(f"{where} is {shown(value)}; allowed: three numbers, or a marker seen at the beginning")
 
 
-def _is_near(number: Any) -> bool:
+def _is_coordinate(number: Any) -> bool:
     return type(number) in (int, float) and abs(number) < FARTHEST_LANDMARK
 
 

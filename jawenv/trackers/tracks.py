@@ -140,7 +140,7 @@ def numbers(path: str, lines: Sequence[tuple[int, str]], names: Sequence[str], s
     return np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
 
 
-def whole(path: str, rows: int, stated: str | None, field_name: str) -> None:
+def check_rows(path: str, rows: int, stated: str | None, field_name: str) -> None:
     """Check that a file holds as many rows as its header states, if it does."""
     if stated is not None and stated.strip() != str(rows):
         raise InputError(f"{path}: holds {rows} rows; allowed: {shown(stated)}, its {field_name} (a truncated file?)")

@@ -7,7 +7,7 @@ from pathlib import Path
 from jawenv.base.errors import InputError, shown
 from jawenv.recordings.dialects import decoded
 from jawenv.recordings.table import LARGEST_RECORDING
-from jawenv.trackers.tracks import Tracks, distinct, millimetres, numbers, whole
+from jawenv.trackers.tracks import Tracks, check_rows, distinct, millimetres, numbers
 
 HEAD = 5
 """Lines above the rows."""
@@ -29,7 +29,7 @@ def read_trc(path: Path, unit: str | None) -> Tracks:
         raise InputError(f"{path}: has {len(markers)} markers; allowed: {stated}, its NumMarkers")
     names = ["Frame#", "Time", *(f"{marker} {axis}" for marker in markers for axis in "XYZ")]
     table = numbers(str(path), [line for line in lines[HEAD:] if line[1].strip()], names, "\t")
-    whole(str(path), len(table), header.get("numframes"), "NumFrames")
+    check_rows(str(path), len(table), header.get("numframes"), "NumFrames")
     scale = millimetres(unit or header.get("units"), str(path))
     places = {name: scale * table[:, 2 + 3 * i : 5 + 3 * i] for i, name in enumerate(distinct(markers))}
     return Tracks(str(path), table[:, 1], places)

@@ -46,7 +46,7 @@ def test_information_of_the_data_is_what_was_put_in(rng):
 
 
 def test_information_of_the_data_does_not_depend_on_the_prior():
-    """Of the parameters; with a known gain the problem is linear, and the prior adds to the data."""
+    """The prior of the parameters; with a known gain the problem is linear, and the prior adds to the data."""
     record = replace(record_of("opening_with_swings_and_fore_aft"), gain_sd=0.0)
     found = []
     for factor in (0.2, 1.0, 5.0):

@@ -10,7 +10,7 @@ from jawenv.base.errors import InputError
 from tests.damaged_files.formats import FORMATS, Format
 
 LONGEST_S = 1.0
-"""Of computing; a machine that others use may take ten times that."""
+"""Longest computing time; a machine that others use may take ten times that."""
 LONGEST_LINE = 800
 _TOKEN = re.compile(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?|[A-Za-z_]{2,}|\"[^\"\n]*\"")
 _VALUES = (

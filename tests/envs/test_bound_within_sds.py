@@ -117,7 +117,7 @@ def test_it_is_that_of_dense_matrices(kwargs, close):
 
 
 def test_each_unknown_costs_and_a_rich_maneuver_says_how_much():
-    """As an analysis with derivatives of its own has it: a worst of 5.6 % after 7 s."""
+    """An analysis with derivatives of its own has the same: a worst of 5.6 % after 7 s."""
     agent, sds = load_agent("refined"), {}
     for name in ("exact", "imaged"):
         kwargs = {"knowledge": name, "track_bound": True, "episode_s": 7.0}

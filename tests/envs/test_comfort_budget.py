@@ -21,7 +21,7 @@ FINITE = st.floats(-20.0, 1.0)
 
 def budget_of(whole=BUDGET_S, spent=0.0):
     budget = np.zeros(1, dtype=TRACKER)[0]["budget"]
-    budget["whole"], budget["spent"], budget["hard"] = whole, spent, 1.5
+    budget["total"], budget["spent"], budget["hard"] = whole, spent, 1.5
     budget["size"], budget["margin"] = 1.0, 1.0
     return budget
 

@@ -266,7 +266,7 @@ def test_step_and_render_need_a_reset():
 
 @pytest.mark.parametrize("reason", ["truncated", "terminated"])
 def test_a_step_after_the_end_warns_and_changes_nothing(reason):
-    """As in Gymnasium's classic control, which warns; here nothing goes on either."""
+    """Gymnasium's classic control warns too; here nothing goes on either."""
     soft = {"stop_stiffness_N_m": 1.0, "stop_damping_N_s_m": 1e-3, "brake_N_s_m": 1e-3, "full_scale_N": 10.0}
     ending = {"episode_s": 0.1, "record": True} if reason == "truncated" else {"device": soft, "cohort": "healthy"}
     env = make(**ending)

@@ -87,7 +87,7 @@ def test_every_model_takes_it(model):
 
 
 def test_the_filter_is_honest_on_it_and_records_carry_it():
-    """Of 16 patients with 12 parameters each; the NEES of the default's filter is 1.0 to 1.3 per parameter."""
+    """16 patients with 12 parameters each; the NEES of the default's filter is 1.0 to 1.3 per parameter."""
     env = gym.make_vec(ID, num_envs=16, anatomy=HEAVY, episode_s=10.0, record=True)
     env.reset(seed=5000)
     for action in 0.6 * actions(16, 50):

@@ -112,7 +112,7 @@ print(observation.sum())
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
 def test_a_forked_process_has_threads_of_its_own():
-    """As workers of Gymnasium's AsyncVectorEnv are: the parent's threads are not there."""
+    """Workers of Gymnasium's AsyncVectorEnv are forked: the parent's threads are not there."""
     first, second = python("-c", _FORK).stdout.split()
     assert first == second
 

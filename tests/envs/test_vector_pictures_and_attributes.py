@@ -34,7 +34,7 @@ def test_the_picture_of_one_world_is_that_of_the_single_environment():
 
 @pytest.mark.parametrize("number", [2, 5])
 def test_each_world_has_its_own_picture(number):
-    """That of a single environment with its seed and actions, drawn at the size of many."""
+    """A single environment with its seed and actions has the same, drawn at the size of many."""
     many = made(number)
     many.reset(seed=5)
     for action in actions(number):

@@ -54,7 +54,7 @@ def after(*measured, allowed=EVERY):
 
 
 def readings(rng):
-    """Of a jaw: places (m), angles, velocities (m/s), rates."""
+    """Readings of a jaw: places (m), angles, velocities (m/s), rates."""
     return rng.normal(size=12) * np.repeat([0.05, 0.2, 0.05, 1.0], 3)
 
 
@@ -146,7 +146,7 @@ def test_good_samples_pass(rng):
 
 
 def test_a_component_without_noise_may_repeat_itself(rng):
-    """Of four that stay equal or are missing, two are without noise: one of these is missing."""
+    """Two of four that stay equal or are missing are without noise: one of these is missing."""
     cell = Cell(rng)
     cell.samples[:, :3] = cell.samples[0, :3]
     cell.samples[1, 3] = np.nan

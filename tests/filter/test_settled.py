@@ -36,7 +36,7 @@ def test_infos_of_one_world_and_of_many_say_the_same():
 
 
 def test_false_beliefs_on_the_way_have_not_settled():
-    """Of sixty jaws of anyone, at every step; the rule was chosen on others (docs/tables/honesty.md, "on the way")."""
+    """Sixty jaws of anyone, at every step; the rule was chosen on others (docs/tables/honesty.md, "on the way")."""
     played = jawenv.play(
         jawenv.Player("opening_with_swings_and_fore_aft"),
         patients=60,

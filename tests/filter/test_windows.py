@@ -14,9 +14,9 @@ from jawenv.envs.simulation import Simulation
 from jawenv.filter.belief.state import begin_belief, begin_motion
 from jawenv.filter.learn import learn
 from jawenv.filter.tick import (
+    CONVERGED_SD,
     LAST_WINDOW,
     MOVED,
-    NEAR_SD,
     ends_window,
     has_moved,
     replay,
@@ -105,7 +105,7 @@ def test_the_belief_hangs_less_on_the_guess_that_readings_were_filtered_at(recor
 
 
 def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
-    """As filtering from the first reading at that belief does, to the bit."""
+    """Filtering from the first reading at that belief gives the same bits."""
     run = filtered_until(record, 0.0, 40)
     jaw, belief, kept, rows, settings, scratch = run.arguments
     mean, cov = belief["mean"].copy(), belief["cov"].copy()
@@ -161,7 +161,7 @@ def test_old_readings_are_not_filtered_again_once_the_muscles_are_nearly_known()
         for tick in range(len(record.time)):
             for run in (whole, changed):
                 filter_tick(run, tick, every=8)
-            if since is None and np.diag(whole.belief["cov"]).max() < 0.9 * NEAR_SD**2:
+            if since is None and np.diag(whole.belief["cov"]).max() < 0.9 * CONVERGED_SD**2:
                 since = int(whole.belief["replayed"])
                 changed.arguments.rows["measured"][: since + 1] = np.nan
         later += since is not None and int(whole.belief["replayed"]) > since
@@ -190,7 +190,7 @@ def test_slow_recordings_are_judged_right():
 
 
 def test_one_point_is_judged_right_in_most():
-    """Of twelve patients seven at least; where more than one motion fits, no filter knows."""
+    """Seven of twelve patients at least; where more than one motion fits, no filter knows."""
     kwargs = {"sensors": "point", "episode_s": 15.0, "track_bound": False}
     played = jawenv.play(load_agent(SWINGS, control="force"), patients=12, seed=5000, env_kwargs=kwargs)
     assert not played.terminated.any()

@@ -192,7 +192,7 @@ def test_a_cache_without_locks_that_cannot_be_written_is_read(
 
 
 def test_kernels_without_their_sources(tmp_path: Path) -> None:
-    """As in an installation of bytecode alone: what is no kernel is then known by its code."""
+    """In an installation of bytecode alone what is no kernel is known by its code."""
     for room in ("kernels", "base"):
         shutil.copytree(Path(jawenv.__file__).parent / room, tmp_path / "jawenv" / room)
     (tmp_path / "jawenv" / "__init__.py").touch()

@@ -134,7 +134,7 @@ class Doubled(JawEnv):
 
 @pytest.fixture
 def subclass_id():
-    """Of a subclass that is registered without a vector form."""
+    """Id of a subclass that is registered without a vector form."""
     env_id = "jawenv-test/Doubled-v0"
     gym.register(env_id, entry_point=Doubled, kwargs={"model": "jaw"})
     yield env_id

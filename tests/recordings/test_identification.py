@@ -57,7 +57,7 @@ def test_what_was_lost_is_no_doubt():
 
 
 def test_bursts_without_a_load_cell_reading_are_missing_readings(tmp_path):
-    """As for the online filter, bit for bit; a recording keeps them as empty cells."""
+    """The online filter has the same bits; a recording keeps them as empty cells."""
     samples = record().samples.copy()
     for start in range(100, 900, 200):
         samples[start : start + 8] = np.nan

@@ -102,7 +102,7 @@ def test_a_geometry_of_ones_own():
 
 
 def test_a_start_that_is_not_told_follows_from_the_first_reading():
-    """As ``load_record`` has it of a file that does not say."""
+    """``load_record`` has the same of a file that does not say."""
     record = played().records[0]
     start = defaults.motion_of_reading(record.jaw, record.measured[0], record.measurement_sd)
     unknown = replace(record, start_mean=start, start_sd=defaults.start_sd(record.jaw))

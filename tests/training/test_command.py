@@ -172,7 +172,7 @@ def test_resume_unpickles_nothing(run: Path, tmp_path: Path) -> None:
 
 
 def test_a_best_policy_that_was_lost_is_kept_anew(run: Path) -> None:
-    """As of a run that was killed while it wrote a better one."""
+    """A run may have been killed while it wrote a better one."""
     (run / "best_model.zip").unlink()
     with (run / "evaluations.csv").open("a") as file:
         file.write("1024,1e9" + ",0" * (len(read_evaluations(run)[0]) - 2) + "\n")

@@ -96,7 +96,7 @@ class MujocoTwin:
         return self.data.site_xpos[site].copy()
 
     def velocity(self, site):
-        """Of a site, in head axes."""
+        """Velocity of a site, in head axes."""
         return self.jacobians(site)[0] @ self.data.qvel
 
     def jacobians(self, site):

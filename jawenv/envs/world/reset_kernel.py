@@ -175,7 +175,7 @@ def begin_device(device: DeviceRecord, model: Jaw, world: World, settings: Setti
     known.tracker.begun = False
     known.tracker.crest, known.tracker.full_force = model.crest, known.limits.force
     budget = known.tracker.budget
-    budget.whole, budget.spent = settings.control.budget, 0.0
+    budget.total, budget.spent = settings.control.budget, 0.0
     budget.size[:], budget.margin[:] = 1.0, 1.0
     budget.hard[:] = settings.comfort.hard
 

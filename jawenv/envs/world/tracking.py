@@ -107,12 +107,12 @@ def follow(device: DeviceRecord, observation, parameters, tracker: Tracker, with
         if tracker.crest == 0.0:
             tracker.crest, tracker.full_force = _CREST_M, _FORCE_N
     shrink(tracker.size, sensed[_MARGIN:_END], 1.0 - sensed[_POSE] * POSE_SCALE[0] / tracker.crest / CREST_SHARE, dt)
-    if tracker.budget.whole > 0.0:
+    if tracker.budget.total > 0.0:
         keep_budget(tracker.budget, sensed[_MARGIN:_END], dt)
     targets, felt = wanted_by(sensed, tracker), _felt_by(sensed, tracker.rest_roll)
     if with_servo:
         servo_rates(device, targets, felt, action)
-        if tracker.budget.whole > 0.0:
+        if tracker.budget.total > 0.0:
             _let_go(device, sensed, tracker.budget.release, action)
     else:
         thrusts(device, targets, felt, holds_roll, tracker.integral, dt, action)

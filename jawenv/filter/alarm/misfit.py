@@ -21,7 +21,7 @@ from math import sqrt
 
 from jawenv.filter.belief.state import Belief, Block, begin_block
 from jawenv.filter.model.encoders import N_MEASUREMENTS
-from jawenv.filter.readings.lasting import speed_of
+from jawenv.filter.readings.model_error import speed_of
 from jawenv.filter.updates.measurement_update import UpdateScratch, add_muscles, squared_length
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose

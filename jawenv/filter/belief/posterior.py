@@ -41,7 +41,7 @@ class PosteriorScratch:
     pulled_nuisances: Annotated[Array, "shared"]
     coefficients: Annotated[Array, "muscles", N_NODES]
     by_log_twice: Annotated[Array, "muscles", N_NODES, 3]
-    known: Annotated[Array, "size", "size"]
+    marginal: Annotated[Array, "size", "size"]
     unexplained: Annotated[Array, "size"]
     residual: Annotated[Array, "size"]
     spread: Annotated[Array, "size", "bends"]
@@ -81,7 +81,7 @@ def _without_nuisances(belief: Belief, gain_variance, scratch: PosteriorScratch)
     Leaves the factor of their information at given c in ``nuisance_factor``. False if that has none.
     """
     information, score, factor, shared = belief.information, belief.score, belief.nuisance_factor, scratch.shared
-    first, number = scratch.known.shape[0], factor.shape[0]
+    first, number = scratch.marginal.shape[0], factor.shape[0]
     gains = number - belief.nuisances.shape[0]
     for i in range(number):
         for j in range(i + 1):
@@ -104,8 +104,8 @@ def _without_nuisances(belief: Belief, gain_variance, scratch: PosteriorScratch)
     for i in range(first):
         for j in range(i + 1):
             value = information[i, j] - scratch.explained[j, i]
-            scratch.known[i, j] = value
-            scratch.known[j, i] = value
+            scratch.marginal[i, j] = value
+            scratch.marginal[j, i] = value
         scratch.unexplained[i] = score[i] - scratch.explained[i, first]
     return True
 
@@ -117,14 +117,14 @@ def set_bent(nominal, scratch: PosteriorScratch):
     T (m K, 3 m) holds the second derivatives of each muscle's c: by log F_o twice, by both, by log b twice. The first
     two are the first derivatives too, as c is proportional to F_o.
     """
-    known, spread, second_derivatives, bent = scratch.known, scratch.spread, scratch.by_log_twice, scratch.bent
+    marginal, spread, second_derivatives, bent = scratch.marginal, scratch.spread, scratch.by_log_twice, scratch.bent
     muscles, nodes = second_derivatives.shape[0], second_derivatives.shape[1]
-    for a in range(known.shape[0]):
+    for a in range(marginal.shape[0]):
         value = scratch.unexplained[a]
         for i in range(muscles):
             first, second, third = 0.0, 0.0, 0.0
             for k in range(nodes):
-                factor = known[a, i * nodes + k]
+                factor = marginal[a, i * nodes + k]
                 first += factor * second_derivatives[i, k, 0]
                 second += factor * second_derivatives[i, k, 1]
                 third += factor * second_derivatives[i, k, 2]

@@ -30,7 +30,7 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 
 KEPT = 7  # beliefs, each after twice as many readings as the one before
-N_CELLS = 1024  # of poses, see ``readings.lasting``
+N_CELLS = 1024  # of poses, see ``readings.model_error``
 FARTHEST = 4.0  # sds that a nuisance may be from its nominal value, drawn or believed
 N_SHAPES = 6  # of the pose, by which a load cell's offset goes with it
 N_OFFSETS = N_SHAPES * N_WRENCH
@@ -72,8 +72,8 @@ class Drift:
     factors: Annotated[Array, KEPT, "parameters", "parameters"]  # of the covariances, as ``decompose`` leaves them
 
 
-class _Stay:
-    """The poses at which the jaw has been, see ``readings.lasting``."""
+class _Dwell:
+    """The poses at which the jaw has been, see ``readings.model_error``."""
 
     visits: Annotated[Array, N_CELLS]  # ticks spent at poses alike
     visited: float  # of the pose, smoothed as drift rates are
@@ -122,9 +122,9 @@ class Belief:
     trend: Annotated[Array, N_WRENCH]  # of the load cell
     readings: int  # ticks at the end of which an encoder was used, and that something could be learnt from
     refused: int  # ticks on end, up to the last one, whose readings were refused
-    waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
-    near: int  # the same, after teeth
-    stay: _Stay
+    settling_ticks: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
+    contact_ticks: int  # the same, after teeth
+    dwell: _Dwell
     replayed: int  # the tick up to which readings were last filtered again; 0 for none
     sensors: Sensors
 
@@ -163,8 +163,8 @@ class Nuisances:
     damping_sliding: Annotated[Array, "nuisances"]
     mouthpiece: Annotated[Array, "nuisances", 3]
     zero: Annotated[Array, "nuisances", 3]
-    origin: Annotated[Array, "nuisances", "ends"]
-    insertion: Annotated[Array, "nuisances", "ends"]
+    origin: Annotated[Array, "nuisances", "attachments"]
+    insertion: Annotated[Array, "nuisances", "attachments"]
     l_o: Annotated[Array, "nuisances", "lines"]
     offset: Annotated[Array, "nuisances", N_OFFSETS]  # of the load cell's reading, by shapes of the pose
     turn: Annotated[Array, "nuisances", 3]  # of the mouthpiece about body axes, rad
@@ -187,7 +187,7 @@ class Nuisances:
 @cache
 def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
     """Dtype of ``Nuisances``."""
-    return record_dtype(Nuisances, nuisances=n, ends=3 * n_lines, lines=n_lines)
+    return record_dtype(Nuisances, nuisances=n, attachments=3 * n_lines, lines=n_lines)
 
 
 class FilterSettings:
@@ -197,9 +197,9 @@ class FilterSettings:
     used: Annotated[NDArray[np.uint8], N_MEASUREMENTS]
     measurement_variance: Annotated[Array, N_MEASUREMENTS]
     wrench_variance: Annotated[Array, N_WRENCH]  # of the wrench not known
-    lasting: float  # share of the force that the model may have wrong at a pose, as noise of the motion
-    doubt: float  # the same, by which what is read again counts for less
-    whole: float  # ticks at a pose that count whole all the same
+    model_error: float  # share of the force that the model may have wrong at a pose, as noise of the motion
+    systematic_error: float  # the same, by which what is read again counts for less
+    full_weight_ticks: float  # ticks at a pose that count in full all the same
     gain_variance: float
     cell_repeats: Annotated[NDArray[np.uint8], N_WRENCH]  # whether a component of the load cell has no noise
     rough: Annotated[Array, 3]  # see ``screening.rough_change``
@@ -302,8 +302,8 @@ def forget_readings(belief: Belief):
     belief.drift.kept, belief.drift.judged = 0, 0
     begin_block(belief.block)
     belief.block.largest, belief.block.slow, belief.block.total, belief.misfit = 0.0, 0, 0.0, 0.0
-    belief.waits, belief.near, belief.readings, belief.refused = 0, 0, 0, 0
-    belief.stay.drift_rates[:] = 0.0
-    belief.stay.visits[:], belief.stay.visited = 0.0, 0.0
+    belief.settling_ticks, belief.contact_ticks, belief.readings, belief.refused = 0, 0, 0, 0
+    belief.dwell.drift_rates[:] = 0.0
+    belief.dwell.visits[:], belief.dwell.visited = 0.0, 0.0
     _begin_sensors(belief.sensors)
     set_coefficients(belief.basis, belief.point, belief.nominal)

@@ -71,7 +71,7 @@ class Midway(NamedTuple):
     u: Five  # rates
     rate: Five  # their rate of change
     reading: tuple[float, float, float, float, float, float]  # of the load cell, smoothed
-    apart: bool  # whether what a jaw at rest shows is apart
+    separate_statics: bool  # whether what a jaw at rest shows is separate
 
 
 @njit
@@ -95,11 +95,11 @@ def set_wrenches(jaw: Jaw, muscles, at: Midway, nuisances: Nuisances, first, lin
             x, y, moment = force[0] + slope * force[2], force[1], apply_transposed(body_to_head, moment)
         elif nuisances.moves[j]:
             change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
-            if at.apart and nuisances.at_rest[j]:
+            if at.separate_statics and nuisances.at_rest[j]:
                 x, y, moment = _body_change(scratch.jaw, muscles, still, base_still)
             else:
                 x, y, moment = _body_change(scratch.jaw, muscles, moving, base_moving)
-            if at.apart and not nuisances.at_rest[j]:
+            if at.separate_statics and not nuisances.at_rest[j]:
                 x_rest, y_rest, moment_rest = _body_change(scratch.jaw, muscles, still, base_still)
                 x, y, moment = x - x_rest, y - y_rest, subtract(moment, moment_rest)
         pull, moment = at_mouthpiece(jaw, pose, x, y, moment)
@@ -162,7 +162,7 @@ def _together(settings):
 
 
 @where(_has_memory, otherwise=_together)
-def is_apart(settings: FilterSettings):
+def separates_statics(settings: FilterSettings):
     """Whether what a jaw at rest shows of a nuisance is taken apart from the rest: beside a disturbance with memory.
 
     What lasts shakes the jaw slowly, and servos answer to the true motion. The predicted rates are then correlated with
@@ -179,7 +179,7 @@ def _all_readings(settings):
 
 @where(_has_memory, otherwise=_all_readings)
 def _readings_of_nuisances(settings: FilterSettings):
-    """Number of the readings that a nuisance changes: those of the pose alone where ``is_apart``."""
+    """Number of the readings that a nuisance changes: those of the pose alone where ``separates_statics``."""
     return N_POSE
 
 
@@ -191,7 +191,7 @@ def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: Fil
     reading = (last[0], last[1], last[2], last[3], last[4], last[5])
     before, after = scratch.start_motion, scratch.instrument.motion
     u, rate = middle_rates(before, after, settings.dt)
-    at = Midway(pose, u, rate, reading, is_apart(settings))
+    at = Midway(pose, u, rate, reading, separates_statics(settings))
     set_wrenches(jaw, muscles, at, settings.nuisances, first, wrenches, scratch.nuisances)
 
 
@@ -244,7 +244,7 @@ def begin_jaw(jaw: Jaw, belief: Belief):
 def move_nuisances(belief: Belief, settings: FilterSettings, row, first):
     """Move the nuisances and the filter's model by the steps that ``row`` has from ``first`` on."""
     for k in range(belief.nuisances.shape[0]):
-        if is_apart(settings) and not settings.nuisances.at_rest[k]:
+        if separates_statics(settings) and not settings.nuisances.at_rest[k]:
             row[first + k] = 0.0
         belief.nuisances[k] += row[first + k]
     move_jaw(belief.jaw, settings.nuisances, row, first)

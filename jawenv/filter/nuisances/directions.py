@@ -30,7 +30,7 @@ def directions(
     log_parameters: Array,
     motor_sds: Array | None = None,
     *,
-    lasting: bool = False,
+    with_memory: bool = False,
 ) -> list[Values]:
     """One sd of every nuisance.
 
@@ -43,7 +43,7 @@ def directions(
         jaw: the filter's model.
         log_parameters: (p,) of a typical patient, who is one of ``anyone`` where a wrench is unknown.
         motor_sds: (5,) those of each motor's force, or None where a load cell reads it.
-        lasting: whether the disturbance has memory: then mass and centre of mass are there once more (``AGAIN``).
+        with_memory: whether the disturbance has memory: then mass and centre of mass are there once more (``AGAIN``).
     """
     lines, found = len(muscles.muscle), list[Values]()
     if knowledge.wrench_N > 0.0:  # of a recording: any cohort's prior may be tried, by the same compiled filter
@@ -55,9 +55,9 @@ def directions(
         return values
 
     for unknown in UNKNOWNS:
-        if unknown.told:
+        if unknown.estimated:
             found += [one(unknown.name, k) for k, sd in enumerate(unknown.sds(knowledge)) if sd > 0.0]
-        if lasting and unknown.name == "centre_of_mass":
+        if with_memory and unknown.name == "centre_of_mass":
             sds = [*BY_NAME["mass"].sds(knowledge), *unknown.sds(knowledge)]
             found += [one(AGAIN, k) for k, sd in enumerate(sds) if sd > 0.0]
     if knowledge.attachments > 0.0:

@@ -33,42 +33,42 @@ def nuisance_scratch_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
     return record_dtype(NuisanceScratch, jaw=jaw_dtype(n_lines if n else 1))
 
 
-def all_known(belief):
+def no_nuisances(belief):
     """Whether the muscles alone are unknown, by the belief's type."""
     return not belief.typeof("nuisances").shape[0]
 
 
-@where(all_known, otherwise=f"{_CHANGES}.begin_jaw")
+@where(no_nuisances, otherwise=f"{_CHANGES}.begin_jaw")
 def begin_jaw(jaw: Jaw, belief: Belief):
     """The filter's own model begins as ``jaw``."""
 
 
-@where(all_known, otherwise=f"{_CHANGES}.set_nuisance_wrenches")
+@where(no_nuisances, otherwise=f"{_CHANGES}.set_nuisance_wrenches")
 def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: FilterSettings, scratch):
     """The wrench of one sd of each nuisance, into its column."""
 
 
-@where(all_known, otherwise=f"{_CHANGES}.add_nuisance_readings")
+@where(no_nuisances, otherwise=f"{_CHANGES}.add_nuisance_readings")
 def add_nuisance_readings(jaw: Jaw, belief: Belief, settings: FilterSettings, used, scratch):
     """The change of the readings by one sd of each nuisance, into its column."""
 
 
-@where(all_known, otherwise=f"{_CHANGES}.correct_samples")
+@where(no_nuisances, otherwise=f"{_CHANGES}.correct_samples")
 def correct_samples(jaw: Jaw, belief: Belief, settings: FilterSettings, samples, scratch):
     """Correct the ``samples`` (3, 6) of the force by the nuisances' means."""
 
 
-@where(all_known, otherwise=f"{_CHANGES}.correct_readings")
+@where(no_nuisances, otherwise=f"{_CHANGES}.correct_readings")
 def correct_readings(belief: Belief, nuisances: Nuisances, measured, corrected):
     """``corrected`` (12) = ``measured`` turned back, as far as the belief knows."""
     corrected[:] = measured
 
 
-@where(all_known, otherwise=f"{_CHANGES}.follow_friction")
+@where(no_nuisances, otherwise=f"{_CHANGES}.follow_friction")
 def follow_friction(jaw: Jaw, belief: Belief, settings: FilterSettings, scratch):
     """The shares of the motors' friction at the end of a tick, from the motion."""
 
 
-@where(all_known, otherwise=f"{_CHANGES}.move_nuisances")
+@where(no_nuisances, otherwise=f"{_CHANGES}.move_nuisances")
 def move_nuisances(belief: Belief, settings: FilterSettings, row, first):
     """Move the nuisances and the filter's model by the steps that ``row`` has from ``first`` on."""

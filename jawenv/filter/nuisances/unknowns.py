@@ -46,7 +46,7 @@ class Unknown:
     change: Change | None = None  # adds deviations to a jaw's record; None for what changes readings alone
     own: bool = False  # whether it is the patient's, the same in each session
     at_rest: bool = True  # whether a jaw at rest shows it
-    told: bool = True  # whether the filter has columns of it
+    estimated: bool = True  # whether the filter has columns of it
     late: bool = False  # whether it is drawn after the others, and only where it is unknown: it moves no other's draws
 
 
@@ -93,35 +93,35 @@ def _change_inertia(jaw: Any, shares: Array, muscles: MuscleSet) -> None:
     jaw["inertia"] *= 1.0 + shares[0]
 
 
-def _centre_of_mass_sds(known: Knowledge) -> Array:
-    return 1e-3 * np.array([known.centre_of_mass_x_mm, known.centre_of_mass_y_mm, known.centre_of_mass_z_mm])
+def _centre_of_mass_sds(sds: Knowledge) -> Array:
+    return 1e-3 * np.array([sds.centre_of_mass_x_mm, sds.centre_of_mass_y_mm, sds.centre_of_mass_z_mm])
 
 
 UNKNOWNS = (
-    Unknown("fossa", "fossa", lambda known: [known.fossa] * 2, _change_fossa, own=True),
-    Unknown("mass", "mass", lambda known: [known.mass], _change_mass, own=True),
-    Unknown("damping", "damping", lambda known: [known.damping] * 2, _change_damping, own=True, at_rest=False),
-    Unknown("head_tilt", "head tilt", lambda known: [radians(known.head_tilt_deg)], _pitch_head),
-    Unknown("tone", "tone", lambda known: [known.closing_tone_N], _change_tone, late=True),
+    Unknown("fossa", "fossa", lambda sds: [sds.fossa] * 2, _change_fossa, own=True),
+    Unknown("mass", "mass", lambda sds: [sds.mass], _change_mass, own=True),
+    Unknown("damping", "damping", lambda sds: [sds.damping] * 2, _change_damping, own=True, at_rest=False),
+    Unknown("head_tilt", "head tilt", lambda sds: [radians(sds.head_tilt_deg)], _pitch_head),
+    Unknown("tone", "tone", lambda sds: [sds.closing_tone_N], _change_tone, late=True),
     Unknown("centre_of_mass", "centre of mass", _centre_of_mass_sds, _move_centre_of_mass, own=True),
-    Unknown("mouthpiece", "mouthpiece, place", lambda known: [1e-3 * known.mouthpiece_mm] * 3, _move_mouthpiece),
-    Unknown("axes", "encoders' axes", lambda known: [1e-3 * known.axes_mm] * 3, _move_axes, late=True),
-    Unknown(TURN, "mouthpiece, angles", lambda known: [radians(known.mouthpiece_deg)] * 3),
-    Unknown(OFFSET, "cell offset", lambda known: [known.cell_offset_N] * 3 + [known.cell_offset_N_m] * 3),
+    Unknown("mouthpiece", "mouthpiece, place", lambda sds: [1e-3 * sds.mouthpiece_mm] * 3, _move_mouthpiece),
+    Unknown("axes", "encoders' axes", lambda sds: [1e-3 * sds.axes_mm] * 3, _move_axes, late=True),
+    Unknown(TURN, "mouthpiece, angles", lambda sds: [radians(sds.mouthpiece_deg)] * 3),
+    Unknown(OFFSET, "cell offset", lambda sds: [sds.cell_offset_N] * 3 + [sds.cell_offset_N_m] * 3),
     # The whole tensor: a tenth moves nothing that can be measured.
-    Unknown("inertia", "inertia tensor", lambda known: [known.inertia], _change_inertia, own=True, told=False),
-    Unknown(CELL_TURN, "cell, angles", lambda known: [radians(known.cell_deg)] * 3),
-    Unknown(WRENCH, "wrench of no muscle", lambda known: [known.wrench_N] * N_SHAPES * len(WRENCH_UNITS), late=True),
+    Unknown("inertia", "inertia tensor", lambda sds: [sds.inertia], _change_inertia, own=True, estimated=False),
+    Unknown(CELL_TURN, "cell, angles", lambda sds: [radians(sds.cell_deg)] * 3),
+    Unknown(WRENCH, "wrench of no muscle", lambda sds: [sds.wrench_N] * N_SHAPES * len(WRENCH_UNITS), late=True),
 )
 """In the order of the filter's columns, and of the draws."""
 BY_NAME = {unknown.name: unknown for unknown in UNKNOWNS}
-ENDS = ("origin", "insertion")
+ATTACHMENTS = ("origin", "insertion")
 """Attachments, (lines, 3) each; their sds differ by muscle."""
 MOTORS = "motors"
 """(4, 5) of a force that no load cell reads: each motor's gain, frictions and direction (``device.force_sensor``)."""
 AGAIN = "inertial"
 """(4,) mass and centre of mass once more, as accelerations show them: a filter may take these for others."""
-OWN = (*ENDS, *(unknown.name for unknown in UNKNOWNS if unknown.own))
+OWN = (*ATTACHMENTS, *(unknown.name for unknown in UNKNOWNS if unknown.own))
 """The patient's own; the others are a session's."""
 _NOTHING = Knowledge()
 _SIZES = {unknown.name: len(unknown.sds(_NOTHING)) for unknown in UNKNOWNS}
@@ -129,15 +129,15 @@ _SIZES = {unknown.name: len(unknown.sds(_NOTHING)) for unknown in UNKNOWNS}
 
 def no_unknowns(lines: int) -> Values:
     """All at their nominal values."""
-    shapes: dict[str, Any] = dict.fromkeys(ENDS, (lines, 3)) | _SIZES | {MOTORS: (N_MOTORS, N_SDS), AGAIN: 4}
+    shapes: dict[str, Any] = dict.fromkeys(ATTACHMENTS, (lines, 3)) | _SIZES | {MOTORS: (N_MOTORS, N_SDS), AGAIN: 4}
     return {name: np.zeros(shape) for name, shape in shapes.items()}
 
 
-def draw_unknowns(lines: int, generator: np.random.Generator, known: Knowledge = _NOTHING) -> Values:
+def draw_unknowns(lines: int, generator: np.random.Generator, knowledge: Knowledge = _NOTHING) -> Values:
     """Standard normals for all but the motors, none beyond ``FARTHEST``: a mass stays positive."""
     values = no_unknowns(lines)
-    early = [name for name in (*ENDS, *BY_NAME) if name in ENDS or not BY_NAME[name].late]
-    late = [unknown.name for unknown in UNKNOWNS if unknown.late and any(unknown.sds(known))]
+    early = [name for name in (*ATTACHMENTS, *BY_NAME) if name in ATTACHMENTS or not BY_NAME[name].late]
+    late = [unknown.name for unknown in UNKNOWNS if unknown.late and any(unknown.sds(knowledge))]
     for name in early:
         values[name] = _normals(values[name], generator)
     generator.standard_normal(values[MOTORS].shape)  # as before the motors had a stream of their own: patients stay
@@ -228,5 +228,5 @@ def with_anatomy_of(patient: Values, session: Values) -> Values:
 
 def own_values(values: Values) -> NDArray[np.float64]:
     """(8 + 6 lines,) the patient's own values that the filter is told of, in prior sds; ends of each line last."""
-    told = [values[unknown.name] for unknown in UNKNOWNS if unknown.own and unknown.told]
-    return np.concatenate([*told, np.hstack([values[name] for name in ENDS]).ravel()])
+    estimated = [values[unknown.name] for unknown in UNKNOWNS if unknown.own and unknown.estimated]
+    return np.concatenate([*estimated, np.hstack([values[name] for name in ATTACHMENTS]).ravel()])

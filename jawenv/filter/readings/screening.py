@@ -181,11 +181,11 @@ def is_resolved(belief: Belief, samples, rough, bites=False):
 
     ``rough`` (3,) is as ``rough_change`` has it. None is in which the jaw ``bites``.
     """
-    if belief.waits > 0:
-        belief.waits -= 1
-    belief.near = SETTLING + 1 if bites else max(belief.near - 1, 0)
+    if belief.settling_ticks > 0:
+        belief.settling_ticks -= 1
+    belief.contact_ticks = SETTLING + 1 if bites else max(belief.contact_ticks - 1, 0)
     for k in range(3):
         first, middle, last = samples[0, k], samples[1, k], samples[2, k]
         if abs(last - first) > rough[k] or abs(last - 2.0 * middle + first) > rough[k]:
-            belief.waits = SETTLING + 1
-    return belief.waits == 0 and belief.near == 0
+            belief.settling_ticks = SETTLING + 1
+    return belief.settling_ticks == 0 and belief.contact_ticks == 0

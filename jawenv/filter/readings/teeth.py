@@ -12,7 +12,7 @@ from jawenv.mechanics.kinematics import contact_point, rotation
 
 # m: nothing is learnt while teeth are nearer. The error of their force lasts as long as they press, and is no noise;
 # nor do the encoders show whether they press lightly.
-NEAR = 1e-4
+LEAST_GAP = 1e-4
 COARSEST = 1e-3  # m, of an encoder's noise that tells it
 LOST_SDS = 300.0  # of the motion before the first reading: of the motion that a wrong belief predicts beside the teeth
 # Sd of each component of the wrench over the teeth's force; the last three in m.
@@ -20,21 +20,21 @@ TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 
 
 @njit
-def bite_of(jaw: Jaw, motion, nearer=0.0):
+def bite_force(jaw: Jaw, motion, nearer=0.0):
     """Force (N) with which the teeth press, or would press if they were ``nearer`` (m)."""
     pose = (motion[0], motion[1], motion[2], motion[3], motion[4])
-    return _bite_at(jaw, contact_point(jaw, pose)[2] + nearer, rotation(pose))
+    return _force_at(jaw, contact_point(jaw, pose)[2] + nearer, rotation(pose))
 
 
 @njit
-def _bite_at(jaw: Jaw, height, body_to_head):
+def _force_at(jaw: Jaw, height, body_to_head):
     """Force (N) of the teeth with the contact point so high (m)."""
-    bite = 0.0
+    force = 0.0
     for i in range(N_TEETH):
         arm = apply(body_to_head, row3(jaw.teeth, i))
         ramp, _ = smooth_ramp(height + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
-        bite += jaw.tooth_stiffness * ramp
-    return bite
+        force += jaw.tooth_stiffness * ramp
+    return force
 
 
 @njit
@@ -44,25 +44,25 @@ def reads_pose(used, variances):
 
 
 @njit
-def bite_read(jaw: Jaw, measured, nearer):
-    """``bite_of`` the pose that the encoders read (12).
+def read_bite(jaw: Jaw, measured, nearer):
+    """``bite_force`` at the pose that the encoders read (12).
 
     A belief that has one side too stiff or too soft takes a jaw for lifted that rests on the teeth of one side.
     """
     body_to_head = rotation((0.0, 0.0, measured[3], measured[4], measured[5]))
     height = measured[2] + jaw.zero[2]
-    return _bite_at(jaw, height - apply(body_to_head, vector3(jaw.mouthpiece))[2] + nearer, body_to_head)
+    return _force_at(jaw, height - apply(body_to_head, vector3(jaw.mouthpiece))[2] + nearer, body_to_head)
 
 
 @njit
-def add_tooth_noise(bite, variance):
-    """Add to the process noise ``variance`` (6) what the force ``bite`` (N) of the teeth may be off by.
+def add_tooth_noise(force, variance):
+    """Add to the process noise ``variance`` (6) what the ``force`` (N) of the teeth may be off by.
 
     Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
     both about the mouthpiece.
     """
     for k in range(N_WRENCH):
-        sd = TOOTH_NOISE[k] * bite
+        sd = TOOTH_NOISE[k] * force
         variance[k] += sd * sd
 
 

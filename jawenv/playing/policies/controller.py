@@ -142,14 +142,14 @@ class ControlledWorlds(VectorWrapper[Observation, Action, Observation, Action, A
         decision: Action | None = actions
         reward, cost, steps = np.zeros((3, self.num_envs))
         terminated, truncated = np.zeros((2, self.num_envs), dtype=bool)
-        ends: dict[str, Any] = {}
+        finals: dict[str, Any] = {}
         for _ in range(self.controller.steps_per_decision):
             action = self.controller.act(self._rows, self._memory, decision)
             self._rows, gained, failed, ended, info = self.env.step(action)
             decision, going, over = None, ~(terminated | truncated), failed | ended
-            self._keep_ends(ends, info, going & over)
+            self._keep_finals(finals, info, going & over)
             if "cost" in info:
-                last = ends["final_info"]["cost"] if (going & over).any() else 0.0
+                last = finals["final_info"]["cost"] if (going & over).any() else 0.0
                 cost += going * np.where(over, last, info["cost"])
             reward += going * gained
             steps += going
@@ -158,23 +158,23 @@ class ControlledWorlds(VectorWrapper[Observation, Action, Observation, Action, A
             self._memory[over] = np.zeros(1, self._memory.dtype)
         if "cost" in info:
             info["cost"] = np.where(terminated | truncated, info["cost"], cost / steps)
-            if ends:
-                ends["final_info"]["cost"] = cost / steps
+            if finals:
+                finals["final_info"]["cost"] = cost / steps
         step_info = {key: value for key, value in info.items() if "final_" not in key}
-        return self.controller.seen(self._rows, self._memory), reward, terminated, truncated, step_info | ends
+        return self.controller.seen(self._rows, self._memory), reward, terminated, truncated, step_info | finals
 
-    def _keep_ends(self, ends: dict[str, Any], info: dict[str, Any], worlds: Mask) -> None:
+    def _keep_finals(self, finals: dict[str, Any], info: dict[str, Any], worlds: Mask) -> None:
         """Keep the last observation and info of worlds (N,) whose episodes have just ended."""
         if not worlds.any():
             return
-        if not ends:
+        if not finals:
             nothing = {key: np.zeros_like(value) for key, value in info["final_info"].items()}
-            ends |= {"final_obs": np.full(self.num_envs, None, dtype=object), "final_info": nothing}
-            ends |= {"_final_obs": np.zeros_like(worlds), "_final_info": np.zeros_like(worlds)}
+            finals |= {"final_obs": np.full(self.num_envs, None, dtype=object), "final_info": nothing}
+            finals |= {"_final_obs": np.zeros_like(worlds), "_final_info": np.zeros_like(worlds)}
         rows = np.stack(list(info["final_obs"][worlds]))
         for i, row in zip(np.flatnonzero(worlds), self.controller.seen(rows, self._memory[worlds]), strict=True):
-            ends["final_obs"][i] = row
+            finals["final_obs"][i] = row
         for key, value in info["final_info"].items():
-            ends["final_info"][key][worlds] = value[worlds]
-        ends["_final_obs"] |= worlds
-        ends["_final_info"] |= worlds
+            finals["final_info"][key][worlds] = value[worlds]
+        finals["_final_obs"] |= worlds
+        finals["_final_info"] |= worlds

@@ -25,31 +25,31 @@ class OwnParts:
     """
 
     def __init__(self, parts: Parts, policy: object) -> None:
-        self._known = self._given = parts
+        self._own = self._played = parts
         self._policy = policy
 
-    def take(self, given: Parts) -> None:
+    def take(self, played: Parts) -> None:
         """Take the parts of the worlds that are to be played.
 
         Raises:
             InputError: another model, or without a part that the policy reads.
         """
-        lacking = [name for name in self._known.layout if name not in given.layout and name != "spent"]
-        if lacking or given.n_parameters != self._known.n_parameters:
-            why = f"no {' and '.join(lacking)}" if lacking else f"{given.n_parameters} parameters"
-            allowed = f"{', '.join(self._known.layout)} of {self._known.n_parameters} parameters"
+        lacking = [name for name in self._own.layout if name not in played.layout and name != "spent"]
+        if lacking or played.n_parameters != self._own.n_parameters:
+            why = f"no {' and '.join(lacking)}" if lacking else f"{played.n_parameters} parameters"
+            allowed = f"{', '.join(self._own.layout)} of {self._own.n_parameters} parameters"
             raise InputError(f"{self._policy}: the environment's observation has {why}; allowed: {allowed}")
-        self._given = given
+        self._played = played
 
     def __call__(self, rows: Observation) -> Observation:
         """Observations (N, size) as the policy knows them, (N, its own size)."""
-        self._given.check(rows.shape[1], self._policy)
-        if self._given == self._known:
+        self._played.check(rows.shape[1], self._policy)
+        if self._played == self._own:
             return rows
-        seen = np.zeros((len(rows), self._known.size), dtype=rows.dtype)
-        given, known = self._given.layout, self._known.layout
-        for name in given.keys() & known.keys():
-            seen[:, known[name]] = rows[:, given[name]]
+        seen = np.zeros((len(rows), self._own.size), dtype=rows.dtype)
+        played, own = self._played.layout, self._own.layout
+        for name in played.keys() & own.keys():
+            seen[:, own[name]] = rows[:, played[name]]
         return seen
 
 

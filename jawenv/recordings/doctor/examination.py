@@ -12,7 +12,7 @@ from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import LARGEST_MISFIT, MOST_REFUSED, identified
 from jawenv.recordings.plausibility import SHORTEST_S, findings
 from jawenv.recordings.record import Record
-from jawenv.recordings.zero import LARGEST_CHANGE_N, NEAR_MM, UNSEEN_DRIFT, below_closed, change_of_zero
+from jawenv.recordings.zero import CLOSED_MM, LARGEST_CHANGE_N, UNSEEN_DRIFT, below_closed, change_of_zero
 
 _FIRST_S, _SHORT_S = 60.0, 5.0
 """Length of a recording that is examined, and of its part for each frame that is tried."""
@@ -155,7 +155,7 @@ def _lines(matrix: Array) -> list[str]:
 def _zero(record: Record, changed: float | None) -> _Check:
     """The force at the start, where the jaw rests and the device is slack, and whether the end shows the same."""
     first = record.samples[: max(1, round(_START_S / record.dt)), :, :3]
-    if not np.isfinite(first).any(axis=(0, 1)).all() or not below_closed(record)[0] < NEAR_MM:
+    if not np.isfinite(first).any(axis=(0, 1)).all() or not below_closed(record)[0] < CLOSED_MM:
         return _Check("zero", "the recording does not begin with the jaw closed: nothing is shown", True)
     force = np.nanmean(first, axis=(0, 1))
     value = f"{', '.join(f'{x:.2f}' for x in force)} N at the start, allowed: {_LARGEST_ZERO_N:g} N each"
@@ -175,5 +175,5 @@ def _teeth(record: Record) -> _Check:
     if np.isnan(below).all():
         return _Check("teeth", "no height of the mouthpiece was read: nothing is shown", True)
     nearest = float(np.nanmin(below))
-    value = f"mouthpiece {nearest:.1f} mm below its place with the jaw closed at the least, allowed: {NEAR_MM:g} mm"
-    return _Check("teeth", value, nearest <= NEAR_MM, "begin with the teeth together")
+    value = f"mouthpiece {nearest:.1f} mm below its place with the jaw closed at the least, allowed: {CLOSED_MM:g} mm"
+    return _Check("teeth", value, nearest <= CLOSED_MM, "begin with the teeth together")

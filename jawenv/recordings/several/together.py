@@ -130,7 +130,7 @@ class _Several(Blocks):
         whole = {name: getattr(first, name) for name in Blocks.__dataclass_fields__}
         whole |= {"information": information, "score": score, "own": np.zeros(count - first.tensions, dtype=bool)}
         nothing = np.zeros(count - first.tensions, dtype=bool)
-        whole |= {"ends": nothing, "tilt": nothing}  # sds are those of the parts
+        whole |= {"attachments": nothing, "tilt": nothing}  # sds are those of the parts
         poses = np.concatenate([part.poses for part in parts])
         return cls(**(whole | {"poses": poses}), parts=tuple(parts), places=tuple(places))
 

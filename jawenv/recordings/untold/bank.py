@@ -31,7 +31,7 @@ LEVELS = {
 """Name of each size -> its levels; the first is the usual one, but of lines."""
 SIZES = np.array([sizes for sizes in product(*LEVELS.values()) if sizes[0] > 0.0 or sizes[4] == 1.0])
 """(288, 6) sizes; laws vary first."""
-_TOLD = 0.9
+_USUAL = 0.9
 _WEIGHED = [name for name in LEVELS if name != "lines"]
 _EFFORT, _LONG = (12, 6), (80, 14)
 """Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
@@ -94,7 +94,7 @@ class Mixture:
 def mixture(blocks: Blocks, temperature: float, sizes: Array | None = None) -> Mixture:
     """The belief about the muscles, whatever the sizes are; of ``SIZES``, or of others whose laws vary first."""
     if sizes is None:
-        sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.told_scan else SIZES
+        sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.scan_assumed else SIZES
     information, score, evidence = _about_tensions(blocks, temperature, sizes)
     means, covs, heights = _most_probable(blocks, information, score, np.tile(blocks.point, (len(score), 1)))
     weights = evidence + heights + beforehand(sizes, _WEIGHED)
@@ -115,7 +115,7 @@ def beforehand(sizes: Array, kinds: Collection[str]) -> Array:
     weights = np.zeros(len(sizes))
     for j, (name, levels) in enumerate(LEVELS.items()):
         if name in kinds:
-            weights += np.where(sizes[:, j] == levels[0], np.log(_TOLD), np.log((1.0 - _TOLD) / (len(levels) - 1)))
+            weights += np.where(sizes[:, j] == levels[0], np.log(_USUAL), np.log((1.0 - _USUAL) / (len(levels) - 1)))
     return weights
 
 

@@ -41,7 +41,7 @@ N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
 _STRETCHES = 3  # of a recording, over each of which the load cell's zero may drift by a number of its own
 N_OF_DRIFT = _STRETCHES * _N_CONSTANT
-_MOST_ENDS = 30.0  # sds of a scan by which an end may be off, as the table's are
+_MOST_ATTACHMENTS = 30.0  # sds of a scan by which an end may be off, as the table's are
 _LINEAR = 1.2  # prior sds of another unknown from its nominal value within which the motion is linearised
 
 
@@ -56,12 +56,12 @@ class Blocks:
     score: Array  # (B, n)
     poses: Array  # (B, 5) at their ends
     own: NDArray[np.bool_]  # (n - c,) which columns behind the tensions are the patient's own
-    ends: NDArray[np.bool_]  # (n - c,) which of them move ends of muscles
+    attachments: NDArray[np.bool_]  # (n - c,) which of them move these
     tilt: NDArray[np.bool_]  # (n - c,) which one turns gravity
     by_end: Array  # (2, n - c, lines, 3) m by which each of them moves origins and insertions
     gain_sd: float  # of the load cell's gain error
-    told_scan: bool  # whether the filter knew of the other unknowns: then their sds are those that it has
-    told_wrench: float  # sd of the wrench that it knew of, N
+    scan_assumed: bool  # whether the filter knew of the other unknowns: then their sds are those that it has
+    wrench_assumed: float  # sd of the wrench that it knew of, N
     point: Array  # (p,) natural-log parameters about which the motion is linearised
     basis: Any  # of the tensions
     nominal: Array  # (muscles, nodes) coefficients at the point
@@ -75,7 +75,7 @@ class Blocks:
 
     def unknowns(self) -> Array:
         """(n - c,) most probable values of the columns behind the tensions, for the muscles of the point."""
-        sds, c = self.sds(np.array([[1.0, self.told_wrench, self.told_wrench, 0.0, 1.0, 0.0]]))[0], self.tensions
+        sds, c = self.sds(np.array([[1.0, self.wrench_assumed, self.wrench_assumed, 0.0, 1.0, 0.0]]))[0], self.tensions
         inner = sds[:, None] * self.information.sum(axis=0)[c:, c:] * sds + np.eye(len(sds))
         values: Array = sds * np.linalg.solve(inner, sds * self.score.sum(axis=0)[c:])
         return values
@@ -85,10 +85,10 @@ class Blocks:
         others = self.score.shape[1] - self.tensions - 1 - N_OF_DRIFT - N_OF_WRENCH
         scan, constant, shapes, drift, ends = (sizes[:, j, None] for j in range(5))
         gain = np.full((len(sizes), 1), self.gain_sd)
-        known = np.repeat(np.ones_like(scan) if self.told_scan else scan, others, axis=1)
+        known = np.repeat(np.ones_like(scan) if self.scan_assumed else scan, others, axis=1)
         wrench = np.repeat(constant, _N_CONSTANT, axis=1), np.repeat(shapes, N_OF_WRENCH - _N_CONSTANT, axis=1)
         sds = np.hstack([gain, known, np.repeat(drift, N_OF_DRIFT, axis=1), *wrench])
-        return sds * np.where(self.ends, ends, 1.0)
+        return sds * np.where(self.attachments, ends, 1.0)
 
 
 def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blocks:
@@ -128,9 +128,9 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     c, lines = muscles * N_NODES, nuisances["line"] >= 0
     of_nuisances = slice(c + 1, c + 1 + sizes[0])
     steps[order[-sizes[0] :]] = of_motion
-    most = np.where(lines, _MOST_ENDS, _LINEAR)
+    most = np.where(lines, _MOST_ATTACHMENTS, _LINEAR)
     steps[of_nuisances] = np.clip(steps[of_nuisances], -most, most)
-    jaw = _with_ends(jaw, nuisances, steps[of_nuisances])
+    jaw = _with_attachments(jaw, nuisances, steps[of_nuisances])
     if sizes[1]:  # beside a disturbance with memory these stay where they are (``learn.recentre``)
         steps[muscles * N_NODES + 1 :][: sizes[0]][nuisances["at_rest"] == 0] = 0.0
     every = max(1, round(BLOCK_S / record.dt), -(-len(record.samples) // MOST_BLOCKS))
@@ -154,12 +154,12 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
         score=score,
         poses=kept[2],
         own=own,
-        ends=ends,
+        attachments=ends,
         tilt=tilt,
         by_end=by_end,
         gain_sd=float(np.sqrt(settings["gain_variance"])),
-        told_scan=not record.knowledge.exact,
-        told_wrench=record.knowledge.wrench_N,
+        scan_assumed=not record.knowledge.exact,
+        wrench_assumed=record.knowledge.wrench_N,
         point=belief["point"].copy(),
         basis=belief["basis"].copy(),
         nominal=belief["nominal"].copy(),
@@ -168,7 +168,7 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     )
 
 
-def _with_ends(jaw: Any, nuisances: Any, steps: Array) -> Any:
+def _with_attachments(jaw: Any, nuisances: Any, steps: Array) -> Any:
     """A copy of the jaw whose lines are as long as ends moved by ``steps`` make them; derivatives are taken there."""
     lines, shape = nuisances["line"] >= 0, (len(steps), len(jaw["l_o"]), 3)
     by_end = nuisances["origin"].reshape(shape) - nuisances["insertion"].reshape(shape)
@@ -202,7 +202,7 @@ def _settings(record: Record) -> tuple[Any, bool]:
     settings = settings_of_record(replace(record, knowledge=knowledge))
     if not told:  # what readings count for is as the filter had it
         own = settings_of_record(record)
-        settings["doubt"], settings["whole"] = own["doubt"], own["whole"]
+        settings["systematic_error"], settings["full_weight_ticks"] = own["systematic_error"], own["full_weight_ticks"]
     return settings, told
 
 

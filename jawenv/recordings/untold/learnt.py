@@ -76,7 +76,7 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
     for number in range(_PASSES):
         values = joint_of(blocks, found.best, found.sizes, temperature).values[blocks.tensions :]
         near = np.abs(found.best - blocks.point).max() <= _MOVED
-        stayed = number > 0 and np.abs(values - unknowns)[blocks.ends].max(initial=0.0) < _STAYED
+        stayed = number > 0 and np.abs(values - unknowns)[blocks.attachments].max(initial=0.0) < _STAYED
         if near and (found.sizes[_LINES] == 1.0 or stayed):
             break
         unknowns, blocks = values, blocks_of(record, found.best, values)
@@ -85,11 +85,11 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
         mean, cov = found.mean, spread * found.cov
     sizes, rival = dict(zip(LEVELS, found.sizes.tolist(), strict=True)), found.rival(blocks, mean, cov)
     shows = shown(blocks, found, temperature)
-    jaw = _with_ends(record.jaw, blocks, values) if sizes["lines"] > 1.0 else record.jaw
+    jaw = _with_attachments(record.jaw, blocks, values) if sizes["lines"] > 1.0 else record.jaw
     return Learnt(mean, cov, sizes, temperature, jaw, shows, rival)
 
 
-def _with_ends(jaw: Any, blocks: Blocks, values: Array) -> Any:
+def _with_attachments(jaw: Any, blocks: Blocks, values: Array) -> Any:
     """A copy of the jaw with ends of muscles moved by ``values`` (n - c,) of the unknowns."""
     moved = jaw.copy()
     moved["origin"] += np.tensordot(values, blocks.by_end[0], 1)
@@ -107,7 +107,7 @@ def _lying(
     """
     before = found.sizes
     for number in range(_PASSES):
-        free = replace(blocks, ends=blocks.tilt)  # the pitch alone may be far off, and all else is usual
+        free = replace(blocks, attachments=blocks.tilt)  # the pitch alone may be far off, and all else is usual
         best = mixture(free, temperature, _PITCHED).best
         values = joint_of(free, best, _PITCHED[0], temperature).values[blocks.tensions :]
         tilt = float(values[blocks.tilt].sum())

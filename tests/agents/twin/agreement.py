@@ -40,7 +40,7 @@ HORIZON_S = 10.0
 KNOT_S = 0.4
 SPREAD = (0.3, 0.5, 0.15, 0.5)
 SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
-"""Of the perturbations, and how often."""
+"""Sizes of the perturbations, and how often each is drawn."""
 _SDS = (1e-3, 1.0)
 """Between which the shaking of a used fraction is sought."""
 

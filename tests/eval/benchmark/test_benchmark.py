@@ -57,7 +57,7 @@ def test_drawn_patients_stand_beside_the_public_ones_with_an_interval_of_two_sam
     ends = scipy.stats.ttest_ind(drawn, public, equal_var=False).confidence_interval()
     (row,) = check_table(rows).rows
     assert row[-1] == words.with_interval(Interval(2.5, ends.low, ends.high), 2)
-    assert difference(public, public[:1]).known is False and difference(np.ones(3), np.ones(2)).low == 0.0
+    assert difference(public, public[:1]).exists is False and difference(np.ones(3), np.ones(2)).low == 0.0
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,7 @@ def test_an_interval_over_both_covers_the_mean_of_all_seeds_and_patients():
         found = mean_over_both(of_seed + of_patient + 0.5 * rng.normal(size=(12, 40)))
         covered += found.low <= 0.0 <= found.high
     assert covered >= 176
-    assert not mean_over_both(np.ones((1, 5))).known
+    assert not mean_over_both(np.ones((1, 5))).exists
 
 
 def test_they_are_printed_and_written(tmp_path):

@@ -24,7 +24,7 @@ def test_every_figure_is_of_every_study(rows):
 
 def test_a_figure_is_unknown_where_it_is_not_of_one_patient(rows):
     short = rows.assign(early_worst_sd=[np.nan, *rows["early_worst_sd"][1:]])
-    assert not FIGURES["early_worst_sd"].interval(short).known
+    assert not FIGURES["early_worst_sd"].interval(short).exists
     assert np.isnan(FIGURES["early_worst_sd"].interval(short).value)
 
 

@@ -33,7 +33,7 @@ def test_intervals_of_several_means_hold_all_at_once_as_often_as_they_say():
 
 def test_several_means_of_few_or_equal_patients():
     (alone,) = statistics.means_together(np.array([[2.0]]))
-    assert alone.value == 2.0 and not alone.known
+    assert alone.value == 2.0 and not alone.exists
     equal, other = statistics.means_together(np.array([[1.0, 0.0], [1.0, 4.0]]))
     assert (equal.low, equal.high) == (1.0, 1.0) and other.low < 2.0 < other.high
     assert np.isnan(statistics.means_together(np.empty((0, 3)))[2].value)
@@ -50,7 +50,7 @@ def test_a_median_over_patients_who_never_arrive():
 def test_one_patient_has_no_interval():
     found = statistics.mean(np.array([3.0]))
     assert found.value == 3.0
-    assert not found.known
+    assert not found.exists
 
 
 def test_patients_who_all_agree_have_an_interval_without_width():

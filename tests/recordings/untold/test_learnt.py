@@ -44,7 +44,7 @@ def first(recording):
 
 @pytest.fixture
 def blocks(rng):
-    """Of a likelihood that was made up, with what it was made of: true columns behind the tensions."""
+    """Blocks of a made-up likelihood, with what it was made of: true columns behind the tensions."""
     basis = build_basis(build_jaw(), PRIOR)[0]
     nominal = np.zeros((6, 5))
     set_coefficients(basis, PRIOR.mean, nominal)
@@ -59,12 +59,12 @@ def blocks(rng):
         score=np.einsum("bri,br->bi", rows, read),
         poses=rng.normal(size=(count, 5)),
         own=np.zeros(columns - 30, dtype=bool),
-        ends=np.zeros(columns - 30, dtype=bool),
+        attachments=np.zeros(columns - 30, dtype=bool),
         tilt=np.zeros(columns - 30, dtype=bool),
         by_end=np.zeros((2, columns - 30, 6, 3)),
         gain_sd=0.01,
-        told_scan=True,
-        told_wrench=0.0,
+        scan_assumed=True,
+        wrench_assumed=0.0,
         point=PRIOR.mean,
         basis=basis,
         nominal=nominal,

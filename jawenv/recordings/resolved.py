@@ -18,7 +18,7 @@ from jawenv.recordings.words import OBJECTS, TEXTS
 Header = dict[str, Any]
 
 
-def given_world(configuration: Configuration, settings: dict[str, Any], header: Header, path: str) -> Configuration:
+def resolved_world(configuration: Configuration, settings: dict[str, Any], header: Header, path: str) -> Configuration:
     """The configuration with what the file says in its place, and with the caller's settings in the place of both."""
     rate: dict[str, Any] = {"control_hz": None}  # the control mode's own: a record has no control steps
     words = {*TEXTS, *OBJECTS} - {"jaw", *settings}
@@ -32,7 +32,7 @@ def given_world(configuration: Configuration, settings: dict[str, Any], header: 
     return configure(rate | settings, base=world)
 
 
-def given_errors(world: Configuration, header: Header, dt: float) -> dict[str, Any]:
+def resolved_errors(world: Configuration, header: Header, dt: float) -> dict[str, Any]:
     """A record's sds and the disturbance: the header's, or else those of the world's device."""
     noise, sensor = world.build_device(), world.force_sensor
     time_constant = float(header.get("disturbance_time_s", noise.unmodelled_time_s))
@@ -61,7 +61,7 @@ def _stored_jaw(stored: dict[str, Any], like: Any, path: str) -> Any:
     return jaw
 
 
-def given_geometry(jaw: Any | None, world: Configuration, tilt: float, header: Header, path: str) -> Any:
+def resolved_geometry(jaw: Any | None, world: Configuration, tilt: float, header: Header, path: str) -> Any:
     """The geometry given, or the file's own, or the world's at that tilt of the head."""
     own = defaults.geometry_of(world, tilt)
     if jaw is None:
@@ -71,7 +71,7 @@ def given_geometry(jaw: Any | None, world: Configuration, tilt: float, header: H
     return jaw
 
 
-def given_prior(world: Configuration, header: Header) -> Prior:
+def resolved_prior(world: Configuration, header: Header) -> Prior:
     """The prior in the header, or else that of the world's cohort."""
     if "prior_mean" in header and "prior_sd" in header:
         return Prior(header["prior_mean"], header["prior_sd"])

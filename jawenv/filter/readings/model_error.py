@@ -12,14 +12,14 @@ from jawenv.mechanics.jaw import Jaw
 
 # What the model has wrong at a pose it has wrong within so many m; the ticks that this takes are counted from so many
 # m/s on, and up to so many. The moment's error is the force's at so many m.
-ALIKE, SLOWEST, MOST_TICKS, LASTING_ARM = 1e-3, 1e-3, 100.0, 0.03
+ALIKE, SLOWEST, MOST_TICKS, ERROR_ARM = 1e-3, 1e-3, 100.0, 0.03
 DRIFT_S, SLOWEST_DRIFT = 1.0, 3e-5  # s, m/s
 
 
 @njit
-def stay_of(jaw: Jaw, belief: Belief, dt):
+def dwell_ticks(jaw: Jaw, belief: Belief, dt):
     """Ticks that the mouthpiece takes for ``ALIKE`` at its velocity, smoothed over ``DRIFT_S``."""
-    shift, turn, rates = 0.0, 0.0, belief.stay.drift_rates
+    shift, turn, rates = 0.0, 0.0, belief.dwell.drift_rates
     for i in range(5):
         rates[i] += dt / DRIFT_S * (belief.motion[5 + i] - rates[i])
         if i < 2:
@@ -47,16 +47,16 @@ def cell_of(jaw: Jaw, motion, n_cells):
 def count_ticks(jaw: Jaw, belief: Belief, settings: FilterSettings):
     """Ticks that the jaw takes for this visit to its pose, or has been there in all, whichever is more; counts this.
 
-    Where the first ones count whole, how many it has been there beyond these, smoothed over ``DRIFT_S``. Else a jaw
+    Where the first ones count in full, how many it has been there beyond these, smoothed over ``DRIFT_S``. Else a jaw
     held at the edge of a cell would learn most from readings whose noise takes it to the next one, with a bias.
     """
-    stay = belief.stay
-    cell = cell_of(jaw, belief.motion, stay.visits.shape[0])
-    stay.visits[cell] += 1.0
-    stay.visited += settings.dt / DRIFT_S * (stay.visits[cell] - stay.visited)
-    if settings.whole > 0.0:
-        return max(stay.visited - settings.whole, 0.0)
-    return max(stay_of(jaw, belief, settings.dt), stay.visits[cell])
+    dwell = belief.dwell
+    cell = cell_of(jaw, belief.motion, dwell.visits.shape[0])
+    dwell.visits[cell] += 1.0
+    dwell.visited += settings.dt / DRIFT_S * (dwell.visits[cell] - dwell.visited)
+    if settings.full_weight_ticks > 0.0:
+        return max(dwell.visited - settings.full_weight_ticks, 0.0)
+    return max(dwell_ticks(jaw, belief, settings.dt), dwell.visits[cell])
 
 
 @njit
@@ -74,7 +74,7 @@ def _carried_force(jaw: Jaw, belief: Belief):
 
 
 @njit
-def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
+def reading_weight(jaw: Jaw, belief: Belief, settings: FilterSettings):
     """Weight of a tick's readings as information.
 
     What is wrong in the model is so large a share of the force that is carried, and alike within ``ALIKE``. n ticks
@@ -91,19 +91,19 @@ def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
         noise += settings.wrench_variance[k] / 3.0
         if settings.disturbance_variance.shape[0] > 0:
             noise += settings.disturbance_variance[k] / (1.0 - settings.disturbance_decay**2) / 3.0
-    error = settings.doubt * _carried_force(jaw, belief)
+    error = settings.systematic_error * _carried_force(jaw, belief)
     return noise / (noise + ticks * error * error)
 
 
 @njit
-def add_lasting_noise(jaw: Jaw, belief: Belief, settings: FilterSettings, variance):
+def add_model_error(jaw: Jaw, belief: Belief, settings: FilterSettings, variance):
     """Add to the process noise ``variance`` (6) what the model may have wrong at a pose while the jaw is there.
 
     An error of so large a share of the force that is carried, alike within ``ALIKE``, is as much noise per tick as the
     ticks that the jaw takes for that way: a maneuver that stays where it is learns no more than it sees.
     """
     ticks = min(ALIKE / (settings.dt * max(speed_of(jaw, belief.motion), SLOWEST)), MOST_TICKS)
-    error = settings.lasting * _carried_force(jaw, belief)
+    error = settings.model_error * _carried_force(jaw, belief)
     for k in range(3):
         variance[k] += ticks * error * error
-        variance[3 + k] += ticks * error * error * LASTING_ARM * LASTING_ARM
+        variance[3 + k] += ticks * error * error * ERROR_ARM * ERROR_ARM

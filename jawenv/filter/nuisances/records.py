@@ -13,7 +13,7 @@ from jawenv.device.force_sensor import motor_errors
 from jawenv.filter.nuisances.changes import STEP
 from jawenv.filter.nuisances.unknowns import (
     AGAIN,
-    ENDS,
+    ATTACHMENTS,
     MOTORS,
     UNKNOWNS,
     Values,
@@ -63,7 +63,7 @@ def write_nuisances(
         record["inertia"][j] = ((_about_contact(changed) - _about_contact(jaw)) / STEP).ravel()
         record["offset"][j], record["turn"][j] = offset_of(knowledge, values), turn_of(knowledge, values)
         record["cell_turn"][j] = cell_turn_of(knowledge, values)
-        ends = np.hstack([values[name] for name in ENDS])
+        ends = np.hstack([values[name] for name in ATTACHMENTS])
         record["line"][j] = np.flatnonzero(ends.any(axis=1))[0] if ends.any() else -1
         record["moves"][j] = any(np.any(record[name][j] != 0.0) for name in _IN_MOTION)
         record["at_rest"][j] = not record["again"][j] and not any(

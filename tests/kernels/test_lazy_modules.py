@@ -16,8 +16,8 @@ import sys
 for module in sys.argv[1:]:
     __import__(module)
 from jawenv.envs.world.step_kernel import advance
-from jawenv.kernels.cache import APART, kernel_digest
-print(kernel_digest(advance._function), *sorted(APART & set(sys.modules)))
+from jawenv.kernels.cache import LAZY_MODULES, kernel_digest
+print(kernel_digest(advance._function), *sorted(LAZY_MODULES & set(sys.modules)))
 """
 
 
@@ -28,7 +28,7 @@ def digest_in_a_process(*loaded: str) -> list[str]:
 def test_a_digest_loads_none_of_them_and_is_the_same_where_they_are_loaded():
     digest, *loaded = digest_in_a_process()
     assert not loaded
-    assert digest_in_a_process(*sorted(cache.APART)) == [digest, *sorted(cache.APART)]
+    assert digest_in_a_process(*sorted(cache.LAZY_MODULES)) == [digest, *sorted(cache.LAZY_MODULES)]
 
 
 @pytest.mark.parametrize(
@@ -49,12 +49,12 @@ def test_a_digest_changes_with_what_could_change_numbers(monkeypatch, old, new, 
 
     before, other = cache.kernel_digest(take.py_func), cache.kernel_digest(predict_cov.py_func)
     monkeypatch.setattr(cache, "find_spec", edited)
-    cache._module_apart.cache_clear()
+    cache._lazy_module.cache_clear()
     try:
         assert (cache.kernel_digest.__wrapped__(take.py_func) != before) is changes
         assert cache.kernel_digest.__wrapped__(predict_cov.py_func) == other
     finally:
-        cache._module_apart.cache_clear()
+        cache._lazy_module.cache_clear()
 
 
 def test_a_digest_without_sources_is_of_the_code(monkeypatch):
@@ -63,5 +63,5 @@ def test_a_digest_without_sources_is_of_the_code(monkeypatch):
         return SimpleNamespace(loader=SimpleNamespace(get_source=lambda _: None, get_code=lambda _: code))
 
     monkeypatch.setattr(cache, "find_spec", sourceless)
-    pieces, references = cache._module_apart.__wrapped__("jawenv.filter.nuisances.changes")
+    pieces, references = cache._lazy_module.__wrapped__("jawenv.filter.nuisances.changes")
     assert pieces and not references

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from jawenv.envs.observation import OBSERVATION_BOUND
 
 
-def show_ends(simulation: Any, chosen: NDArray[np.bool_]) -> None:
+def fill_optional_parts(simulation: Any, chosen: NDArray[np.bool_]) -> None:
     """Fill them in the observations of the chosen worlds (N,) of a ``Simulation``."""
     configuration, rows = simulation.configuration, simulation.observation
     layout = configuration.parts.layout

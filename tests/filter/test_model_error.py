@@ -9,7 +9,7 @@ from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.device.device import Device
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.simulation import Simulation
-from jawenv.filter.readings.lasting import cell_of, weight_of_stay
+from jawenv.filter.readings.model_error import cell_of, reading_weight
 from jawenv.kernels.compiled import njit
 
 DT = 0.01
@@ -17,7 +17,7 @@ DT = 0.01
 
 @njit
 def weigh(jaw, belief, settings):
-    return weight_of_stay(jaw, belief, settings)
+    return reading_weight(jaw, belief, settings)
 
 
 @njit
@@ -31,7 +31,7 @@ def parts(knowledge, force_sensor="cell", **device):
     belief = made.worlds["known"]["belief"][0].copy()
     belief["motion"] = 0.0
     belief["trend"] = [10.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    belief["stay"]["visits"] = belief["stay"]["drift_rates"] = 0.0
+    belief["dwell"]["visits"] = belief["dwell"]["drift_rates"] = 0.0
     return made._jaw, belief, made.settings[0]["filter"]
 
 
@@ -43,7 +43,7 @@ def doubting(request):
 
 
 def weights_along(openings_mm, jaw, belief, settings):
-    """Of each tick at these openings, by the turn about the condyles."""
+    """Weight of each tick at these openings, by the turn about the condyles."""
     belief, before, weights = belief.copy(), openings_mm[0], []
     for opening in openings_mm:
         belief["motion"][2] = opening * 1e-3 / jaw["mouthpiece"][0]
