@@ -132,7 +132,7 @@ class Linearised(Problem):
     def by_kernels(self):
         """Precision and gradient; None where rounding leaves no answer."""
         scratch = self.scratch
-        scratch["known"], scratch["unexplained"] = self.root @ self.root.T, self.score[:-1]
+        scratch["marginal"], scratch["unexplained"] = self.root @ self.root.T, self.score[:-1]
         scratch["coefficients"], scratch["by_log_twice"] = self.nominal, self.twice
         set_bent(self.nominal, scratch)
         set_omega(self.covariance, scratch["omega"])
