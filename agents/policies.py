@@ -16,11 +16,11 @@ from jawenv.base.errors import InputError
 from jawenv.base.reading import open_file
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import Parts
-from jawenv.ladder import DEFAULT_ENV
+from jawenv.ladder import DEFAULT_ENV, model_of_env
 from jawenv.playing.agents import Action, Agent, BatchAgent, Mask, Observation, State
 from jawenv.playing.policies.card import CARD, ModelCard, card_of, policy_folder
 from jawenv.playing.policies.inputs import OwnParts
-from jawenv.playing.policies.plain import check_environment, load_plain, on_maneuver
+from jawenv.playing.policies.plain import check_inputs, load_plain, on_maneuver
 
 if TYPE_CHECKING:
     from stable_baselines3.common.policies import BasePolicy
@@ -82,9 +82,8 @@ def load_policy(path: str | Path, *, env_id: str | None = None, trust: bool = Fa
         env_id: of the environment that it shall play, as `jawenv.ladder.model_of_env` takes it, to be checked.
         trust: whether a stable-baselines3 checkpoint may be unpickled.
     """
-    path = Path(path)
     folder = policy_folder(path)
-    return _of_checkpoint(path, env_id or DEFAULT_ENV, trust) if folder is None else load_plain(folder, env_id)
+    return _of_checkpoint(Path(path), env_id or DEFAULT_ENV, trust) if folder is None else load_plain(folder, env_id)
 
 
 def _of_checkpoint(path: Path, env_id: str, trust: bool) -> Agent:
@@ -100,7 +99,9 @@ def _of_checkpoint(path: Path, env_id: str, trust: bool) -> Agent:
         raise InputError(f"{path}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
     run = card_of(path)
     card = card_in(path, policy.observation_space.shape, plays) if run is None else run[1]
-    parts = check_environment(path, int(np.prod(policy.observation_space.shape or (0,))), card, env_id)
+    number = len(model_of_env(env_id).muscles.parameter_names)
+    parts = (Parts() if card is None else card.environment.world().parts)._replace(n_parameters=number)
+    check_inputs(path, int(np.prod(policy.observation_space.shape or (0,))), card, parts, env_id)
     trained = _TrainedPolicy(path, policy, card, parts)
     return trained if card is None else on_maneuver(trained, path, card)
 

@@ -24,8 +24,7 @@ import jawenv.commands.app
 import jawenv.playing.rollout
 import training.cli
 from jawenv.recordings.files import load_record
-from training.run.algorithms import algorithm_class
-from training.run.arguments import parameters_of
+from training.run.algorithms import algorithm_class, parameters_of
 from training.run.config import TrainingConfig
 
 EPISODE_S = 2.0

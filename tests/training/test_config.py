@@ -6,8 +6,7 @@ import pytest
 
 from jawenv.base.errors import InputError
 from jawenv.base.seeds import VALIDATION
-from training.run.algorithms import algorithm_class
-from training.run.arguments import parameters_of
+from training.run.algorithms import algorithm_class, parameters_of
 from training.run.config import DEFAULT_CONFIG, Residual, TrainingConfig, asked_for, config_file
 
 

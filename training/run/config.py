@@ -14,7 +14,6 @@ from jawenv.base.files import InputModel, Number, read_mapping, read_model, vali
 from jawenv.base.seeds import VALIDATION
 from jawenv.ladder import DEFAULT_ENV, env_id_of, title_of_env
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.maneuver import SUFFIXES as MANEUVER_FILES
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 DEFAULT_CONFIG = CONFIGS / "plain_ppo.yaml"
@@ -54,8 +53,7 @@ class Residual(InputModel):
         """The maneuver; where a run's folder holds a copy of it, that one."""
         if folder is not None and (folder / BASE_FILE).exists():
             return Maneuver.load(folder / BASE_FILE)
-        is_file = Path(self.maneuver).suffix in MANEUVER_FILES
-        return Maneuver.load(self.maneuver) if is_file else Maneuver.named(self.maneuver)
+        return Maneuver.of(self.maneuver)
 
 
 class Schedule(InputModel):

@@ -7,7 +7,6 @@ is within its limit on average in the environment, which has more of it than the
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
@@ -21,7 +20,7 @@ from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.maneuver import SUFFIXES, action_of
+from jawenv.playing.maneuvers.maneuver import action_of
 from jawenv.playing.policies.following import DECISION_HZ
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig
@@ -49,7 +48,7 @@ def search(
         horizon_s: length of the maneuver.
         report: called with the updates done, the mean log of the largest sd and the discomfort (s in 30 s).
     """
-    maneuver = Maneuver.load(refined) if Path(refined).suffix in SUFFIXES else Maneuver.named(refined)
+    maneuver = Maneuver.of(refined)
     arguments: dict[str, Any] = {"cohort": cohort, "episode_s": horizon_s}
     env: Any = gym.make_vec(DEFAULT_ENV, patients, **arguments, autoreset_mode="disabled")
     env.reset(seed=TUNING.start)

@@ -123,6 +123,13 @@ class Maneuver(InputModel):
         return cls.load(FOLDER / f"{name}.yaml")
 
     @classmethod
+    def of(cls, source: Maneuver | str | Path) -> Maneuver:
+        """One as itself, by its name or as the path of a file."""
+        if isinstance(source, Maneuver):
+            return source
+        return cls.load(source) if Path(source).suffix in SUFFIXES else cls.named(str(source))
+
+    @classmethod
     def load(cls, path: str | Path) -> Maneuver:
         """Read a maneuver file (YAML, JSON or TOML).
 
@@ -174,7 +181,7 @@ class Player(Remembering):
         hz = real_number(CONTROLS[control].steps_per_s if control_hz is None else control_hz)
         if hz is None or not (np.isfinite(hz) and hz > 0):
             raise InputError(f"control_hz is {shown(control_hz)}; allowed: numbers above 0")
-        self.maneuver = _maneuver(maneuver)
+        self.maneuver = Maneuver.of(maneuver)
         self.name = self.maneuver.name
         self.control = control
         self._holds_roll = self.maneuver.channels.roll is not None
@@ -228,9 +235,3 @@ def check_rows(rows: Observation, parts: Parts) -> None:
     parts.check(rows.shape[1], "a maneuver")
     if not np.isfinite(rows).all():
         raise InputError("observation holds a value that is not finite")
-
-
-def _maneuver(source: Maneuver | str | Path) -> Maneuver:
-    if isinstance(source, Maneuver):
-        return source
-    return Maneuver.load(source) if Path(source).suffix in SUFFIXES else Maneuver.named(str(source))

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from jawenv.base.errors import InputError, not_among
 from jawenv.controls import CONTROLS, Control, control_of
-from jawenv.ladder import DEFAULT_ENV, model_of_env
+from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.agents import Agent
 from jawenv.playing.excitation import BASELINES
-from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
+from jawenv.playing.maneuvers import Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import policy_folder, policy_names
 
@@ -32,16 +32,14 @@ def named_agent(
     """
     if str(spec) in BASELINES:
         return BASELINES[str(spec)](steps_per_s(control, control_hz))
-    if str(spec) in maneuver_names():
-        return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
     folder = policy_folder(spec)
-    if folder is not None:
-        from jawenv.playing.policies.plain import load_plain
+    if str(spec) in maneuver_names() or (folder is None and Path(spec).suffix in SUFFIXES):
+        return Player(spec, control=control, control_hz=control_hz)
+    if folder is None:
+        return None
+    from jawenv.playing.policies.plain import load_plain
 
-        return in_control(load_plain(folder, model_of_env(env_id).env_id), control, control_hz)
-    if Path(spec).suffix in SUFFIXES:
-        return Player(Maneuver.load(Path(spec)), control=control, control_hz=control_hz)
-    return None
+    return in_control(load_plain(folder, env_id), control, control_hz)
 
 
 def agent_of(spec: str | Path, control: Control, control_hz: float | None, env_id: str) -> Agent:

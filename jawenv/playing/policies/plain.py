@@ -17,7 +17,7 @@ from jawenv.base.reading import read_bytes
 from jawenv.controls import Control
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import Parts
-from jawenv.ladder import model_of_env
+from jawenv.ladder import env_id_of, model_of_env
 from jawenv.playing.agents import (
     Action,
     Agent,
@@ -27,7 +27,7 @@ from jawenv.playing.agents import (
     Observation,
     State,
 )
-from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, ModelCard, read_card
+from jawenv.playing.policies.card import CARD, WEIGHTS, ModelCard, read_card
 from jawenv.playing.policies.following import decision_hz
 from jawenv.playing.policies.inputs import OwnParts, OwnPrior
 from jawenv.playing.policies.residual import N_FEATURES, BaseTargets, ResidualPolicy
@@ -123,23 +123,18 @@ def load_plain(folder: Path, env_id: str | None = None) -> Agent:
         env_id: of the environment that it shall play, as `jawenv.ladder.model_of_env` takes it, to be checked.
     """
     card = read_card(folder)
-    trained_in = model_of_env(card.environment.id)
-    if env_id is not None and model_of_env(env_id) != trained_in:
-        played_in = model_of_env(env_id).env_id
-        raise InputError(f"{folder}: the policy was trained in {trained_in.env_id}, not in {played_in}")
-    check_environment(folder, card.observation_size, card, trained_in.env_id)
-    weights = _checked(folder / WEIGHTS, card.architecture, read_weights(folder, card))
-    return on_maneuver(PlainPolicy(folder.resolve().name, card, weights), folder, card)
+    world = card.environment.world()
+    if env_id is not None and model_of_env(env_id).name != world.model:
+        raise InputError(f"{folder}: the policy was trained in {world.env_id}, not in {env_id_of(env_id)}")
+    check_inputs(folder, card.observation_size, card, world.parts, world.env_id)
+    return on_maneuver(PlainPolicy(folder.resolve().name, card, _read_arrays(folder, card)), folder, card)
 
 
-def check_environment(path: Path, size: int, card: ModelCard | None, env_id: str) -> Parts:
-    """The parts that a policy reads, once an environment gives its inputs, with the maneuver that it corrects."""
-    number = len(model_of_env(env_id).muscles.parameter_names)
-    parts = (Parts() if card is None else card.environment.world().parts)._replace(n_parameters=number)
+def check_inputs(path: Path, size: int, card: ModelCard | None, parts: Parts, env_id: str) -> None:
+    """Make sure that parts of an observation give a policy's inputs, with the maneuver that it corrects."""
     seen = parts.size + (0 if card is None or card.residual is None else N_FEATURES)
     if size != seen:
         raise InputError(f"{path}: the policy was trained on observations of {size} values, {env_id} gives {seen}")
-    return parts
 
 
 def on_maneuver(policy: Agent, path: Path, card: ModelCard) -> Agent:
@@ -158,10 +153,10 @@ def arrays_in(path: Path, content: bytes) -> dict[str, np.ndarray]:
         raise InputError(f"{path}: damaged safetensors: {' '.join(str(error).split())[:120]}") from None
 
 
-def _checked(path: Path, architecture: Architecture, content: bytes) -> dict[str, np.ndarray]:
-    """The weights in a file, of the shapes of an architecture."""
-    weights = arrays_in(path, content)
-    shapes = architecture.shapes()
+def _read_arrays(folder: Path, card: ModelCard) -> dict[str, np.ndarray]:
+    """The weights that a card belongs to, of the shapes of its architecture."""
+    path, shapes = folder / WEIGHTS, card.architecture.shapes()
+    weights = arrays_in(path, read_weights(folder, card))
     if set(weights) != set(shapes):
         odd = sorted(set(weights) ^ set(shapes))
         raise InputError(f"{path}: {odd[0]} is in the weights or in the card's architecture, but not in both")
