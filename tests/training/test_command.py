@@ -180,7 +180,7 @@ def test_a_best_policy_that_was_lost_is_kept_anew(run: Path) -> None:
     assert (run / "best_model.zip").exists()
 
 
-@pytest.mark.parametrize("content", [b"", b"not a zip", None], ids=["empty", "text", "cut"])
+@pytest.mark.parametrize("content", [b"", None], ids=["empty", "cut"])
 def test_damaged_checkpoint_is_named(run: Path, capsys: pytest.CaptureFixture[str], content: bytes | None) -> None:
     checkpoint = run / "checkpoints" / "step_0000001024.zip"
     checkpoint.write_bytes(checkpoint.read_bytes()[:5000] if content is None else content)
@@ -192,14 +192,11 @@ def test_damaged_checkpoint_is_named(run: Path, capsys: pytest.CaptureFixture[st
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--steps", "0"], "steps is 0"),
-        (["--n-envs", "3"], "arguments.batch_size"),
         (["nowhere"], "apg_asked, plain_ppo, ppo"),
         (["--resume", "runs/a", "ppo"], "CONFIG"),
         (["--resume", "runs/a", "--set", "reward=worst"], "--reward"),
         (["--resume", "runs/a", "--env", "sides"], "--env"),
         (["--resume", "nowhere"], "nowhere"),
-        (["--target-discomfort", "-1"], "comfort.target_discomfort_s is -1.0"),
         (["ppo", "--residual-on", "wiggle"], "wiggle"),
         (["--device", "abacus"], "abacus"),
         (["--set", "colour=red"], "--set is 'colour'"),
