@@ -39,8 +39,8 @@ ERROR, LEFT = "nuisance_z2", "nuisance_left"
 
 
 def _group_of(direction: Values) -> str:
-    """The group of one of the filter's nuisances."""
-    return next(group for name, group in _OF_NAME.items() if np.any(direction[name]))
+    """The group of one of the filter's nuisances; none of zeros."""
+    return next((group for name, group in _OF_NAME.items() if np.any(direction[name])), "")
 
 
 class NuisanceBeliefs:
@@ -81,7 +81,7 @@ def _figures_of(simulation: Any, world: int) -> dict[str, float]:
     squares: NDArray[np.float64] = np.square((mean - simulation.worlds["truth"]["nuisances"][world]) / sd)
     groups = np.array([_group_of(direction) for direction in simulation.nuisance_sds])
     figures: dict[str, float] = {}
-    for group in dict.fromkeys(groups):
+    for group in filter(None, dict.fromkeys(groups)):
         chosen = groups == group
         figures |= {f"{ERROR}/{group}": float(squares[chosen].mean()), f"{LEFT}/{group}": float(sd[chosen].mean())}
     return figures

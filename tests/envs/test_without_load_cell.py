@@ -58,8 +58,9 @@ def test_the_filter_is_honest_without_a_load_cell(sensor, knowledge):
         observation, _, _, _, info = envs.step(agent.predict(observation)[0])
     # Straps on a jaw that is known within sds claim too much (docs/calibration.md).
     assert 0.7 < np.mean(info["nees"]) / 12 < (5.0 if sensor == "straps" and knowledge is BODY else 1.35)
-    truth, known = envs.unwrapped.simulation.worlds["truth"], envs.unwrapped.simulation.worlds["known"]
-    learnt, drawn = known["belief"]["nuisances"][:, -12:], truth["nuisances"][:, -12:]
+    worlds, settings = envs.unwrapped.simulation.worlds, envs.unwrapped.simulation.settings[0]["filter"]
+    of_motors = settings["nuisances"]["of_motors"].astype(bool)
+    learnt, drawn = (part["nuisances"][:, of_motors] for part in (worlds["known"]["belief"], worlds["truth"]))
     assert np.mean((learnt - drawn) ** 2) < 0.8 < np.mean(drawn**2), "of motors and straps"
 
 

@@ -12,6 +12,8 @@ from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_SDS
+from jawenv.filter.belief.state import tension_columns
+from jawenv.filter.model.basis import N_NODES
 from jawenv.filter.nuisances.unknowns import AGAIN, BY_NAME, MOTORS, UNKNOWNS, Array, Values, changed_jaw, no_unknowns
 from jawenv.kernels.vec3 import apply, cross, norm, subtract
 from jawenv.mechanics.kinematics import contact_point, rotation
@@ -35,7 +37,7 @@ def directions(
     """One sd of every nuisance.
 
     A line's six coordinates of ends are taken in the directions in which they act: those along the line have no effect,
-    and are left out.
+    and are left out. Zeros at the end fill the columns that loops take at once: few kinds of kernels are compiled.
 
     Args:
         knowledge: the sds of anatomy, body and mounting.
@@ -65,7 +67,8 @@ def directions(
             found += list(_of_line(knowledge, muscles, jaw, log_parameters, line))
     if motor_sds is not None:
         found += [one(MOTORS, i, k) for k in range(N_SDS) if motor_sds[k] > 0.0 for i in range(N_MOTORS)]
-    return found
+    spare = tension_columns(len(muscles), len(found)) - len(muscles) * N_NODES - 1 - len(found) if found else 0
+    return found + [no_unknowns(lines)] * spare
 
 
 def _of_line(knowledge: Knowledge, muscles: MuscleSet, jaw: Any, log_parameters: Array, line: int) -> Iterator[Values]:

@@ -66,9 +66,8 @@ def write_nuisances(
         ends = np.hstack([values[name] for name in ATTACHMENTS])
         record["line"][j] = np.flatnonzero(ends.any(axis=1))[0] if ends.any() else -1
         record["moves"][j] = any(np.any(record[name][j] != 0.0) for name in _IN_MOTION)
-        record["at_rest"][j] = not record["again"][j] and not any(
-            np.any(values[name] != 0.0) for name in _IN_MOTION_ALONE
-        )
+        shown = any(np.any(value != 0.0) for name, value in values.items() if name not in _IN_MOTION_ALONE)
+        record["at_rest"][j] = shown and not record["again"][j]
         record["in_cell"][j] = np.any(record["offset"][j] != 0.0) or np.any(record["cell_turn"][j] != 0.0)
         record["turns"][j] = np.any(record["turn"][j] != 0.0)
         if force is not None and np.any(values[MOTORS] != 0.0):

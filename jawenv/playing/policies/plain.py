@@ -18,15 +18,7 @@ from jawenv.controls import Control
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import Parts
 from jawenv.ladder import env_id_of, model_of_env
-from jawenv.playing.agents import (
-    Action,
-    Agent,
-    Array,
-    BatchAgent,
-    Mask,
-    Observation,
-    State,
-)
+from jawenv.playing.agents import Action, Agent, Array, BatchAgent, Mask, Observation, State
 from jawenv.playing.policies.card import CARD, WEIGHTS, ModelCard, read_card
 from jawenv.playing.policies.following import decision_hz
 from jawenv.playing.policies.inputs import OwnParts, OwnPrior

@@ -213,8 +213,8 @@ def _own(nuisances: Any) -> NDArray[np.bool_]:
 
 
 def _order(tensions: int, nuisances: Any) -> NDArray[np.intp]:
-    """Columns as ``Blocks`` has them: the wrench's, which are the last of no line and no motor, behind all others."""
-    rest = np.flatnonzero((nuisances["line"] < 0) & (nuisances["of_motors"] == 0))
+    """Columns as ``Blocks`` has them: the wrench's, the last that the cell reads and of no motor, behind all others."""
+    rest = np.flatnonzero(nuisances["in_cell"] & (nuisances["of_motors"] == 0))
     wrench = rest[-N_OF_WRENCH:]
     others = np.delete(np.arange(len(nuisances["mass"])), wrench)
     return np.concatenate([np.arange(tensions + 1), tensions + 1 + others, tensions + 1 + wrench])
