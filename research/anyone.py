@@ -18,6 +18,7 @@ import argparse
 import csv
 import sys
 import tempfile
+from contextlib import suppress
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -30,9 +31,11 @@ import jawenv
 from agents import load_agent
 from eval.figures import statistics, words
 from jawenv.anatomy import COHORTS
+from jawenv.anatomy.description import Anatomy
 from jawenv.anatomy.knowledge import IMAGED
 from jawenv.answers.answer import Answer
 from jawenv.answers.tension import along_the_way
+from jawenv.device.device import Device
 from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.inference.treatable import treatable
 from jawenv.metrics.diagnosis import BLOCKED_B, STIFF_F_O_N
@@ -62,14 +65,22 @@ SMALL_ERRORS = {
     "cell_error_deg": 0.5,
 }
 _POSE = 6
+QUIET = {
+    "encoder_position_mm": 1e-3,
+    "encoder_angle_deg": 1e-3,
+    "encoder_velocity_mm_s": 0.01,
+    "encoder_rate_rad_s": 2e-4,
+}
+"""Encoders without noise, so that shapes of the true geometry are none of noise, which would be an error that lasts."""
+NOISE = np.repeat([1e-3 * Device().encoder_position_mm, np.radians(Device().encoder_angle_deg)], 3)
 
 
 def lab_file(record: Record, hz: float, cell_hz: float, path: Path, seed: int = 0, late_s: float = 0.0) -> None:
     """Write a played record as a laboratory's file.
 
     Args:
-        record: with true states.
-        hz: of the tracker, whose readings have noise of their own.
+        record: with true states, of ``QUIET`` encoders.
+        hz: of the tracker, whose noise is that of the device.
         cell_hz: of the load cell.
         path: of a CSV file.
         seed: of the noise.
@@ -79,7 +90,7 @@ def lab_file(record: Record, hz: float, cell_hz: float, path: Path, seed: int = 
     time = np.arange(int(record.time[-1] * hz + 1e-9) + 1) / hz
     states = CubicSpline(record.time, record.states)(time)
     off = np.linalg.lstsq(_shapes(record.states, record), record.measured[:, :_POSE] - _poses(record, record.states))[0]
-    noise = record.measurement_sd[:_POSE] * np.random.default_rng(seed).standard_normal((len(time), _POSE))
+    noise = NOISE * np.random.default_rng(seed).standard_normal((len(time), _POSE))
     pose = _poses(record, states) + _shapes(states, record) @ off + noise
     at = np.arange(int(record.time[-1] * cell_hz + 1e-9) + 1) / cell_hz
     moments = (record.time[:-1, None] + record.dt * np.array([0.0, 0.5])).ravel()
@@ -163,12 +174,21 @@ def recordings_of(
         "episode_s": arguments.seconds,
         "knowledge": "imaged",
         "track_bound": False,
+        "device": QUIET,
     } | world
-    people: Any = arguments.patients
-    if tilt != 0.0:
-        rows = COHORTS[world["cohort"]].sample(people, arguments.seed, accept=treatable)
-        people = [jawenv.Patient.from_log_parameters(row, head_tilt_deg=tilt) for row in rows]
-    played = jawenv.play(load_agent(movement), patients=people, seed=arguments.seed, env_kwargs=kwargs)
+    if tilt == 0.0:
+        return _played(movement, arguments.patients, arguments.seed, kwargs)
+    found = list[Record]()
+    rows = COHORTS[world["cohort"]].sample(2 * arguments.patients, arguments.seed, accept=treatable)
+    for number, theta in enumerate(rows):
+        patient = jawenv.Patient.from_log_parameters(theta, head_tilt_deg=tilt)
+        with suppress(jawenv.InputError):  # a head so pitched may let the jaw hang open
+            found += _played(movement, [patient], arguments.seed + number, kwargs)
+    return tuple(found[: arguments.patients])
+
+
+def _played(movement: str, people: Any, seed: int, kwargs: dict[str, Any]) -> tuple[Record, ...]:
+    played = jawenv.play(load_agent(movement), patients=people, seed=seed, env_kwargs=kwargs)
     assert played.records is not None
     return played.records
 
@@ -191,6 +211,7 @@ def people(arguments: argparse.Namespace) -> None:
     both: dict[str, dict[str, Any]] = {"a scan's anatomy": {}, "the table's anatomy": {"reality": NO_SCAN}}
     kinds = [(cohort, title, world) for cohort in COHORTS for title, world in both.items()]
     kinds += [("anyone", f"size {size:g}", {"anatomy": sized(size)}) for size in (0.85, 0.93, 1.07, 1.15)]
+    kinds += [("anyone", "left 6 % larger, right 6 % smaller", {"anatomy": _lopsided(0.06)})]
     kinds += [("anyone", "size 0.93, the table's anatomy", {"anatomy": sized(0.93), "reality": NO_SCAN})]
     felt = {"knowledge": replace(IMAGED, axes_mm=2.0)}
     kinds += [("anyone", f"{title}, axes off by 2 mm", felt | world) for title, world in both.items()]
@@ -202,6 +223,17 @@ def people(arguments: argparse.Namespace) -> None:
         records = recordings_of(arguments, MOVEMENTS[0], cohort=cohort, **world)
         found = [judged(record, TRACKER_HZ, CELL_HZ, number) for number, record in enumerate(records)]
         row(cohort, title, *_figures(found))
+
+
+def _lopsided(part: float) -> Anatomy:
+    """The table's lines of muscles, on the left by a part farther from the condyles, on the right nearer."""
+    factors, table = {"left": 1.0 + part, "right": 1.0 - part}, sized(1.0)
+    lines = {
+        name: replace(line, origin_m=factor * line.origin_m, insertion_m=factor * line.insertion_m)
+        for name, line in table.attachments.items()
+        for factor in [factors[name.rsplit("_", 1)[1]]]
+    }
+    return replace(table, attachments=lines)
 
 
 def late(arguments: argparse.Namespace) -> None:
@@ -233,7 +265,7 @@ def laws(arguments: argparse.Namespace) -> None:
 def _force(answer: Answer, record: Record, mm: float, share: float) -> tuple[float, float]:
     """Error of the closing force at an opening, relative, and its square in error bars; NaN beyond the recording."""
     assert record.truth is not None
-    opening, strain, growth = along_the_way(record)
+    _, opening, strain, growth = along_the_way(record)
     F_o, b = np.exp(record.truth).reshape(-1, 2)[record.jaw["muscle"]].T
     line = np.maximum(0.0, F_o + F_o * np.expm1(STRAIGHT_TO * b) * strain / STRAIGHT_TO)
     tension = share * line + (1.0 - share) * F_o * np.exp(b * strain)

@@ -11,7 +11,7 @@ from jawenv.analysis.wording import in_words
 from jawenv.anatomy import MUSCLE_NAMES
 from jawenv.anatomy.cohorts import TRUNCATION_SD
 from jawenv.answers.assumed import assumed_in_words, cohort_assumed, learnt_in_words, reasons
-from jawenv.answers.tension import LEVER_SD, Tension, tensions_of
+from jawenv.answers.tension import Tension, tensions_of
 from jawenv.answers.tension import in_words as in_words_of_tension
 from jawenv.base.versions import package_versions
 from jawenv.metrics.calibration import YELLOW, alarm_word
@@ -97,9 +97,10 @@ class Answer:
         """Closing forces at the incisors as far as the first recording went (``tensions_of``); none if not believed."""
         if not self.believed:
             return {}
-        record = self.records[0] if self.learnt is None else replace(self.records[0], jaw=self.learnt.jaw)
-        lines = 1.0 if self.learnt is None else self.learnt.sizes["lines"]
-        return tensions_of(record, self.log_mean, self.log_cov, LEVER_SD * lines)
+        if self.learnt is None:
+            return tensions_of(self.records[0], self.log_mean, self.log_cov)
+        record = replace(self.records[0], jaw=self.learnt.jaw)
+        return tensions_of(record, self.log_mean, self.log_cov, self.learnt.joint)
 
     @property
     def enough(self) -> bool:

@@ -5,19 +5,21 @@ What the muscles pull with at openings that were seen needs no word about the cl
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from jawenv.mechanics.kinematics import contact_point, rotation
 from jawenv.mechanics.opening import muscle_lengths, opening_of
 from jawenv.recordings.defaults import motion_of_reading
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
+from jawenv.recordings.untold.learnt import JointBelief
 
 OPENINGS_MM = (10.0, 20.0, 30.0)
 LEVER_SD = 0.01
-"""Sd of a line's growth with the opening where ends are as a scan leaves them: that of temporalis changes its sign."""
-_ROWS, _STEPS, _FEWEST = 60, 61, 3
+"""Sd of a line's growth with the opening where nothing was learnt of its ends: that of temporalis changes its sign."""
+_ROWS, _STEPS, _FEWEST = 400, 61, 3
 
 
 class Tension(NamedTuple):
@@ -30,89 +32,112 @@ class Tension(NamedTuple):
     stiffness_sd_N_mm: float
 
 
-def tensions_of(record: Record, log_mean: Array, log_cov: Array, lever_sd: float = 0.0) -> dict[str, list[Tension]]:
+class Way(NamedTuple):
+    """The midline's motion from the closed jaw to the widest that was recorded, in K poses."""
+
+    poses: Array  # (K, 5)
+    opening: Array  # (K,) m, which only grows
+    strain: Array  # (K, lines)
+    growth: Array  # (K, lines) of the lines with the opening
+
+
+def tensions_of(
+    record: Record, log_mean: Array, log_cov: Array, joint: JointBelief | None = None
+) -> dict[str, list[Tension]]:
     """Forces of each muscle, ``left``, ``right`` and ``all`` at ``OPENINGS_MM``, as far as the recording went.
 
     The force at the incisors does the work of the muscle's: its tension times the line's growth with the opening
-    (virtual work). Error bars are those of belief and growth, carried on linearly; beyond the largest opening nothing
-    is said.
+    (virtual work). Error bars are those of parameters, ends and laws together, carried on linearly: readings hold the
+    force, so that an end that is off is made up for by F_o and b. Beyond the largest opening nothing is said.
 
     Args:
         record: of the jaw that was believed.
         log_mean: (p,) natural logs of F_o and b.
         log_cov: (p, p) their covariance.
-        lever_sd: sd of each line's growth, see ``LEVER_SD``.
+        joint: what is believed of lines and laws beside them; None where nothing was learnt.
     """
-    opening, strain, growth = along_the_way(record)
-    asked = [] if len(opening) < _FEWEST else [mm for mm in OPENINGS_MM if mm <= 1e3 * opening.max()]
-    muscle = record.jaw["muscle"]
-    by_log = [_by_parameters(1e-3 * mm, opening, strain, growth, log_mean, muscle) for mm in asked]
+    way = along_the_way(record)
+    asked = [] if len(way.opening) < _FEWEST else [mm for mm in OPENINGS_MM if mm <= 1e3 * way.opening.max()]
     names = [name.removeprefix("log_F_o/") for name in record.parameter_names[::2]]
     groups = {name: np.array([one == name for one in names]) for name in names}
     for side in ("left", "right"):
         if any(name.endswith(side) for name in names):
             groups[side] = np.array([name.endswith(side) for name in names])
     groups["all"] = np.ones(len(names), dtype=bool)
-    found: dict[str, list[Tension]] = {}
-    for group, members in groups.items():
-        chosen = np.repeat(members, 2)
-        found[group] = []
-        for mm, (values, gradients, pulls) in zip(asked, by_log, strict=True):
-            rows = gradients * chosen
-            of_levers = lever_sd**2 * np.square(pulls[:, members]).sum(axis=1)
-            sds = np.sqrt(np.einsum("ki,ij,kj->k", rows, log_cov, rows) + of_levers)
-            force, stiffness = values[:, members].sum(axis=1)
-            found[group].append(Tension(mm, float(force), float(sds[0]), float(stiffness), float(sds[1])))
+    found: dict[str, list[Tension]] = {group: [] for group in groups}
+    if not asked:
+        return found
+    curves, cov = _curves(record.jaw, way, log_mean, log_cov, joint)
+    both = curves, 1e-3 * np.gradient(curves, way.opening, axis=1, edge_order=2)
+    for mm in asked:
+        weights = np.array([np.interp(1e-3 * mm, way.opening, row) for row in np.eye(len(way.opening))])
+        there = [np.einsum("s,nsm->nm", weights, values) for values in both]
+        for group, members in groups.items():
+            sums = [values[:, members].sum(axis=1) for values in there]
+            sds = [float(np.sqrt(each[1:] @ cov @ each[1:])) for each in sums]
+            found[group].append(Tension(mm, float(sums[0][0]), sds[0], float(sums[1][0]), sds[1]))
     return found
 
 
-def along_the_way(record: Record) -> tuple[Array, Array, Array]:
-    """Opening (K,) m, strains (K, lines) and growth of the lines with the opening (K, lines), of the midline's motion.
-
-    The condyles slide with the pitch as they did in the recording.
-    """
+def along_the_way(record: Record) -> Way:
+    """The way of opening, on which the condyles slide with the pitch as they did in the recording."""
     jaw, read = record.jaw, np.flatnonzero(np.isfinite(record.measured).any(axis=1))
     rows = record.measured[read[np.linspace(0, len(read) - 1, min(_ROWS, len(read))).astype(int)]]
-    poses = np.array([motion_of_reading(jaw, row, record.measurement_sd)[:5] for row in rows])
-    pitch = poses[:, 2]
+    recorded = np.array([motion_of_reading(jaw, row, record.measurement_sd)[:5] for row in rows])
+    pitch = recorded[:, 2]
     shapes = np.column_stack([pitch, pitch**2])
-    slide = np.linalg.lstsq(shapes, poses[:, 0], rcond=None)[0]
+    slide = np.linalg.lstsq(shapes, recorded[:, 0], rcond=None)[0]
     theta = np.linspace(0.0, max(float(pitch.max()), 1e-3), _STEPS)
-    way = np.zeros((_STEPS, 5))
-    way[:, 2], way[:, 0] = theta, np.column_stack([theta, theta**2]) @ slide
-    opening = np.array([opening_of(jaw, pose) for pose in way])
+    poses = np.zeros((_STEPS, 5))
+    poses[:, 2], poses[:, 0] = theta, np.column_stack([theta, theta**2]) @ slide
+    opening = np.array([opening_of(jaw, pose) for pose in poses])
     opens = np.append(True, np.diff(np.maximum.accumulate(opening)) > 0.0)
-    opening, way = opening[opens], way[opens]
+    opening, poses = opening[opens], poses[opens]
     if len(opening) < _FEWEST:
-        return opening, opening, opening
-    lengths = np.array([muscle_lengths(jaw, pose) for pose in way])
-    return opening, lengths / jaw["l_o"] - 1.0, np.gradient(lengths, opening, axis=0)
+        return Way(poses, opening, opening, opening)
+    lengths = np.array([muscle_lengths(jaw, pose) for pose in poses])
+    return Way(poses, opening, lengths / jaw["l_o"] - 1.0, np.gradient(lengths, opening, axis=0, edge_order=2))
 
 
-def _by_parameters(
-    at: float, opening: Array, strain: Array, growth: Array, log_mean: Array, muscle: Array
-) -> tuple[Array, Array, Array]:
-    """Force, N, and stiffness, N/mm, (2, M) of each muscle at an opening, m; their derivatives (2, p) by the logs.
-
-    Behind these both of the muscle's tension itself, (2, M).
-    """
+def _curves(jaw: Any, way: Way, log_mean: Array, log_cov: Array, joint: JointBelief | None) -> tuple[Array, Array]:
+    """Force of each muscle along the way, N, and its derivatives by n unknowns, (1 + n, K, M); their cov (n, n)."""
+    muscle, p = jaw["muscle"], len(log_mean)
     F_o, b = np.exp(log_mean.reshape(-1, 2)[muscle]).T
-    tension = F_o * np.exp(b * strain)
-    pulled = tension * growth
-    steeper = b * strain * pulled  # by log b
-    count = len(log_mean) // 2
-    values, gradients, pulls = np.zeros((2, count)), np.zeros((2, len(log_mean))), np.zeros((2, count))
-    for row, scale in ((0, 1.0), (1, 1e-3)):
-        curves = [pulled, steeper, tension]
-        if row == 1:
-            curves = [np.gradient(curve, opening, axis=0) for curve in curves]
-        for line, owner in enumerate(muscle):
-            force, by_b, pull = (scale * float(np.interp(at, opening, curve[:, line])) for curve in curves)
-            values[row, owner] += force
-            pulls[row, owner] += pull
-            gradients[row, 2 * owner] += force
-            gradients[row, 2 * owner + 1] += by_b
-    return values, gradients, pulls
+    tension = F_o * np.exp(b * way.strain)
+    by_log = np.zeros((p, *tension.shape))
+    for line, owner in enumerate(muscle):
+        by_log[2 * owner, :, line], by_log[2 * owner + 1, :, line] = (
+            tension[:, line],
+            (b * way.strain * tension)[:, line],
+        )
+    if joint is None:
+        lines = len(muscle)
+        by_end = tension * LEVER_SD * np.eye(lines)[:, None]
+        cov = np.zeros((p + lines, p + lines))
+        cov[:p, :p], cov[p:, p:] = log_cov, np.eye(lines)
+    else:
+        nodes, centre = (joint.basis[name][muscle] for name in ("nodes", "centre"))
+        exponentials = np.exp(nodes * (way.strain - centre)[:, :, None])
+        bent = np.einsum("slj,klj->ksl", exponentials, joint.bent[:, muscle])
+        strain, growth = _by_ends(jaw, way, joint.moved)
+        tension = tension + bent[0]
+        by_end = tension * growth + (b * strain * tension + bent[1:]) * way.growth
+        cov = joint.cov
+    by_line = np.concatenate([(tension * way.growth)[None], by_log * way.growth, by_end])
+    return by_line @ np.eye(p // 2)[muscle], cov
+
+
+def _by_ends(jaw: Any, way: Way, moved: Array) -> tuple[Array, Array]:
+    """Derivatives (k, K, lines) of strain and growth by the unknowns of the ends; l_o is the closed jaw's length."""
+    turned = np.array([rotation(tuple(pose)) for pose in way.poses])
+    placed = np.array([contact_point(jaw, tuple(pose)) for pose in way.poses])
+    along = jaw["origin"] - placed[:, None] - np.einsum("lj,sij->sli", jaw["insertion"], turned)
+    length = np.linalg.norm(along, axis=2)
+    along /= length[:, :, None]
+    longer = np.einsum("sli,kli->ksl", along, moved[0])
+    longer -= np.einsum("sli,sij,klj->ksl", along, turned, moved[1], optimize=True)
+    strain = longer / jaw["l_o"] - length * longer[:, :1] / jaw["l_o"] ** 2
+    return strain, np.gradient(longer, way.opening, axis=1, edge_order=2)
 
 
 def in_words(found: dict[str, list[Tension]]) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import divided
 from jawenv.recordings.untold.bank import LAWS, LEVELS, Mixture, beforehand, mixture
 from jawenv.recordings.untold.blocks import Blocks, blocks_of
+from jawenv.recordings.untold.law import tensions
 from jawenv.recordings.untold.shown import Shown, shown
 from jawenv.recordings.untold.temperature import excess, joint_of
 
@@ -35,6 +36,15 @@ _FEWEST = 10
 _CONTRADICTION = "errors that nobody told cannot be weighed, the readings contradict each other"
 
 
+class JointBelief(NamedTuple):
+    """Belief of parameters, ends of lines and bends of laws, under the most probable sizes."""
+
+    cov: Array  # (p + k, p + k) of the natural logs and k unknowns, in sds
+    moved: Array  # (2, k, lines, 3) m by which each of these moves origins and insertions
+    bent: Array  # (1 + k, muscles, nodes) coefficients by which laws are bent, and what each unknown does to them
+    basis: Any  # of the coefficients
+
+
 @dataclass(frozen=True, eq=False)
 class Learnt:
     """A belief that integrates out errors whose sizes it has learnt."""
@@ -44,6 +54,7 @@ class Learnt:
     sizes: dict[str, float]  # the most probable, see ``bank.LEVELS``
     temperature: float  # what the information was divided by
     jaw: Any  # the record's, with ends of muscles and the head's tilt as the readings have them
+    joint: JointBelief | None  # None where no normal describes what the readings allow
     shown: Shown  # the reasons, to be drawn
     rival: Array | None  # (p,) parameters that explain the readings as well, and that the belief excludes
 
@@ -81,12 +92,27 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
             break
         unknowns, blocks = values, blocks_of(record, found.best, values)
         found, temperature, spread = weighed(blocks)
+    joint = None
     if found.bend(blocks) <= _BENT:
-        mean, cov = found.mean, spread * found.cov
+        mean, cov, joint = found.mean, spread * found.cov, _joint(blocks, found, temperature, spread)
     sizes, rival = dict(zip(LEVELS, found.sizes.tolist(), strict=True)), found.rival(blocks, mean, cov)
     shows = shown(blocks, found, temperature)
     jaw = _with_attachments(record.jaw, blocks, values) if sizes["lines"] > 1.0 else record.jaw
-    return Learnt(mean, cov, sizes, temperature, jaw, shows, rival)
+    return Learnt(mean, cov, sizes, temperature, jaw, joint, shows, rival)
+
+
+def _joint(blocks: Blocks, found: Mixture, temperature: float, spread: float) -> JointBelief:
+    """The belief of everything that moves lines or tensions under the most probable sizes."""
+    joint, p, c = joint_of(blocks, found.best, found.sizes, temperature), len(found.best), blocks.tensions
+    information = joint.directions.T @ blocks.information.sum(axis=0) @ joint.directions / temperature
+    cov = spread * np.linalg.inv(information + np.eye(len(information)))
+    others = joint.directions[:, p:]
+    moved = np.einsum("nk,enlx->eklx", others[c:], blocks.by_end)
+    told = np.flatnonzero(np.abs(moved).max(axis=(0, 2, 3)) + np.abs(others[:c]).max(axis=0) > 0.0)
+    bends = joint.values[:c] + blocks.nominal.ravel() - tensions(blocks.basis, found.best[None])[0][0]
+    bent = np.vstack([bends, others[:c, told].T]).reshape(-1, *blocks.nominal.shape)
+    kept, units = np.append(np.arange(p), p + told), np.append(blocks.prior_sd, np.ones(len(told)))
+    return JointBelief(units * cov[np.ix_(kept, kept)] * units[:, None], moved[:, told], bent, blocks.basis)
 
 
 def _with_attachments(jaw: Any, blocks: Blocks, values: Array) -> Any:
