@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,52 +30,17 @@ from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 from jawenv.recordings import defaults
-from jawenv.recordings.estimate import ENOUGH
 from jawenv.recordings.filter_settings import settings_of_configuration, settings_of_record
+from jawenv.recordings.given import unread
+from jawenv.recordings.online_belief import OnlineBelief
 from jawenv.recordings.record import Record
+
+if TYPE_CHECKING:
+    from jawenv.recordings.untold.learnt import Learnt
 
 Array = NDArray[np.float64]
 
 EVERY = 5  # ticks from one belief to the next, where nothing says otherwise
-
-
-@dataclass(frozen=True, eq=False)
-class OnlineBelief:
-    """The belief after a tick about p parameters, whose natural logs are normal."""
-
-    names: tuple[str, ...]  # p names, as ``log_F_o/masseter_left``
-    time_s: float  # of the tick's end, from the first reading
-    log_mean: Array  # (p,) mean of the natural logs
-    log_cov: Array  # (p, p) their covariance
-    misfit: float
-    """The alarm, above 1 where no parameters explain the readings, or the belief moves by more than it claims."""
-    gated: int  # ticks so far whose readings were refused
-    left_out: int  # readings of this tick that were missing, out of range or frozen
-    learnt: int  # ticks so far from which something was learnt: at the teeth nothing is
-    settled: bool  # whether the belief may be acted on, see ``jawenv.filter.settled``
-
-    @property
-    def log_sd(self) -> Array:
-        """(p,) sd of the natural logs, so 0.05 is 5 %."""
-        sd: Array = np.sqrt(np.diagonal(self.log_cov))
-        return sd
-
-    @property
-    def enough(self) -> bool:
-        """Whether the device may stop: every error bar is within 5 %."""
-        return bool((self.log_sd <= ENOUGH).all())
-
-    @property
-    def mean(self) -> Array:
-        """(p,) mean of F_o in N and of b, which has no unit."""
-        mean: Array = np.exp(self.log_mean + 0.5 * np.diagonal(self.log_cov))
-        return mean
-
-    @property
-    def sd(self) -> Array:
-        """(p,) sd of F_o in N and of b."""
-        sd: Array = self.mean * np.sqrt(np.expm1(np.diagonal(self.log_cov)))
-        return sd
 
 
 class OnlineFilter:
@@ -129,14 +94,14 @@ class OnlineFilter:
         if every is None:
             every = EVERY if configuration is None else configuration.ticks_per_step
         self._start: tuple[Array, Array] | None = None
-        names = world.muscles.parameter_names
-        self._prepare(own, settings_of_configuration(world, own), names, every)
+        self._unread = unread(world, own)
+        self._prepare(own, settings_of_configuration(world, own), self._unread.parameter_names, every)
 
     @classmethod
     def of_record(cls, record: Record, *, every: int = EVERY) -> OnlineFilter:
         """The filter with a record's geometry, knowledge, noise, prior, length of a tick, and motion at the start."""
         online = cls.__new__(cls)
-        online._start = record.start_mean, record.start_sd
+        online._start, online._unread = (record.start_mean, record.start_sd), record
         online._prepare(record.jaw, settings_of_record(record), record.parameter_names, every)
         return online
 
@@ -233,6 +198,42 @@ class OnlineFilter:
         self._measured[:] = reading
         self._tick += 1
         return self._present_belief(self._take())
+
+    def learnt(self) -> Learnt | None:
+        """The belief with sizes of errors that the readings so far show, as ``jawenv.identify`` learns them.
+
+        Of a person without a scan, whom ``update`` believes and gets wrong, it is the belief to act on. It takes 0.1 to
+        0.5 s of a processor and changes nothing.
+
+        Returns:
+            ``mean`` and ``cov`` of the natural logs with what was found; None before 5 s, or where nothing can be
+            learnt.
+        """
+        from jawenv.recordings.untold.learnt import learnt
+
+        if self._tick < 1:
+            return None
+        return learnt(self.record(), self._belief["mean"].copy(), self._belief["cov"].copy())
+
+    def record(self) -> Record:
+        """What was read so far as a recording: at most 20,480 ticks.
+
+        Raises:
+            InputError: fewer than two updates.
+        """
+        if self._tick < 1:
+            raise InputError(f"{self._tick + 1} updates were made; allowed: 2 or more")
+        rows = self._rows[: self._tick + 1]
+        return replace(
+            self._unread,
+            time=self.tick_s * np.arange(len(rows), dtype=np.float64),
+            measured=rows["measured"].astype(np.float64),
+            samples=rows["samples"][1:].astype(np.float64),
+            start_mean=self._belief["began"].copy(),
+            start_sd=self._settings["start_sd"][: self._states].copy(),
+            states=None,
+            wrenches=None,
+        )
 
     def _begin_at(self, measured: Array) -> None:
         """Begin with the motion that explains the first reading best."""

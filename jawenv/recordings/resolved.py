@@ -9,10 +9,14 @@ import numpy as np
 
 from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError
+from jawenv.device.device import TICK
 from jawenv.envs.configuration import Configuration, configure
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.motion_step import N_SAMPLES
 from jawenv.ladder import MODELS
-from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.recordings import defaults
+from jawenv.recordings.record import Record
 from jawenv.recordings.words import OBJECTS, TEXTS
 
 Header = dict[str, Any]
@@ -76,3 +80,21 @@ def resolved_prior(world: Configuration, header: Header) -> Prior:
     if "prior_mean" in header and "prior_sd" in header:
         return Prior(header["prior_mean"], header["prior_sd"])
     return world.build_cohort().prior
+
+
+def unread(world: Configuration, jaw: Any) -> Record:
+    """A record of a world's device, patient and knowledge in which nothing is read."""
+    return Record(
+        time=TICK * np.arange(2, dtype=np.float64),
+        measured=np.full((2, N_MEASUREMENTS), np.nan),
+        samples=np.full((1, N_SAMPLES, N_WRENCH), np.nan),
+        start_mean=np.zeros(N_STATES),
+        start_sd=defaults.start_sd(jaw),
+        jaw=jaw.copy(),
+        prior=world.build_cohort().prior,
+        parameter_names=world.muscles.parameter_names,
+        knowledge=world.build_knowledge(),
+        force_sensor=world.force_sensor,
+        device=world.build_device(),
+        **given_errors(world, {}, TICK),
+    )

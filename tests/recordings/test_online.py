@@ -18,7 +18,8 @@ from jawenv.anatomy import default_mandible
 from jawenv.envs.configuration import configure
 from jawenv.mechanics import build_jaw
 from jawenv.recordings import defaults
-from jawenv.recordings.online import OnlineBelief, OnlineFilter
+from jawenv.recordings.online import OnlineFilter
+from jawenv.recordings.online_belief import OnlineBelief
 from jawenv.recordings.record_filter import TensionFilter
 
 FAULTS = {"lost_share": 0.2, "frozen_share": 0.2}
@@ -241,3 +242,24 @@ def test_what_a_reset_refuses(online, arguments):
 def test_what_the_constructor_refuses(arguments):
     with pytest.raises(jawenv.InputError):
         OnlineFilter(**arguments)
+
+
+def test_a_person_without_a_scan_is_believed_as_the_readings_so_far_have_it():
+    """The filter's own error bars are so narrow that NEES/12 is 20 to 50."""
+    world = {"record": True, "episode_s": 6.0, "knowledge": "imaged", "reality": {"attachment_error": 1.0}}
+    record = jawenv.play(load_agent("refined"), patients=1, seed=499_000, env_kwargs=world).records[0]
+    online = OnlineFilter(knowledge="imaged", cohort="trismus", device=record.device)
+    assert online.learnt() is None
+    with pytest.raises(jawenv.InputError, match="0 updates were made; allowed: 2 or more"):
+        online.record()
+    belief, found = fed(online, record.measured, record.samples)[-1], online.learnt()
+    np.testing.assert_array_equal(online.record().measured, record.measured)
+    np.testing.assert_array_equal(online.record().samples, record.samples)
+    away = belief.log_mean - record.truth, found.mean - record.truth
+    squares = [
+        error @ np.linalg.solve(cov, error) / 12 for error, cov in zip(away, (belief.log_cov, found.cov), strict=True)
+    ]
+    assert squares[0] > 8.0 and squares[1] < 2.0 and found.sizes["lines"] == 10.0
+    again = OnlineFilter.of_record(record)
+    fed(again, record.measured, record.samples)
+    assert again.learnt().sizes == found.sizes
