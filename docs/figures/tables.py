@@ -27,8 +27,8 @@ from jawenv.anatomy.knowledge import LEVELS, Knowledge  # noqa: E402
 from jawenv.device.comfort_settings import Comfort  # noqa: E402
 from jawenv.device.device import Device  # noqa: E402
 from jawenv.ladder import MODELS  # noqa: E402
-from jawenv.mechanics.passive_opening import passive_opening, pull_to_open  # noqa: E402
 from jawenv.reality import Reality  # noqa: E402
+from tests.passive_opening import passive_opening, pull_to_open  # noqa: E402
 
 PAGES = (ROOT / "docs" / "model.md", ROOT / "docs" / "tables" / "model.md")
 _BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end of table -->)", re.S)

@@ -143,7 +143,7 @@ class Page:
         self._say(remark)
         if not self._rivals:
             self._rivals = outcomes_of_rivals(self.session.setup, self.session.agents)
-        self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
+        self._score.content = panels.score_html([self._shown.outcome, *self._rivals], self.session.forces(), saved)
 
     def _saved(self) -> list[str]:
         return [str(path) for path in self._saves.save(self.session)]

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from jawenv.answers.tension import Tension
 from jawenv.live.outcome import KNOWN, LARGEST_DISCOMFORT_S, DriveOutcome
 from jawenv.live.session import Shown
 from jawenv.live.stiffness import stiff_from_N
@@ -145,8 +146,8 @@ def ghost_html(shown: Shown) -> str:
     return f"<div id='ghost' style='{style}'>ghost of {escape(shown.driver.replace('_', ' '))}: {words}</div>"
 
 
-def score_html(outcomes: Sequence[DriveOutcome], saved: Sequence[str] = ()) -> str:
-    """Scores of the drive and of the maneuvers on this patient."""
+def score_html(outcomes: Sequence[DriveOutcome], forces: Sequence[Tension], saved: Sequence[str] = ()) -> str:
+    """Scores of the drive and of the maneuvers on this patient, and the closing force that the drive told."""
     head = f"<tr><th></th>{_heads(_SCORE_HEADS)}</tr>"
     rows = []
     for one in outcomes:
@@ -158,9 +159,11 @@ def score_html(outcomes: Sequence[DriveOutcome], saved: Sequence[str] = ()) -> s
         )
         cells = "".join(f"<td style='{_FIGURE}'>{figure}</td>" for figure in figures)
         rows.append(f"<tr><th style='{_NAME};white-space:normal'>{escape(one.name.replace('_', ' '))}</th>{cells}</tr>")
+    pulls = ", ".join(f"{one.opening_mm:g} mm {one.force_N:.2f} ± {one.force_sd_N:.2f} N" for one in forces)
+    pulled = f"<div>closing force at the incisors, opened by {pulls}</div>" if pulls else ""
     files = "".join(f"<div style='overflow-wrap:anywhere'>saved: {escape(path)}</div>" for path in saved)
     table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'>{head}{''.join(rows)}</table>"
-    return f"<div id='score' style='{_CARD}'><b>Score on this patient</b>{table}{files}</div>"
+    return f"<div id='score' style='{_CARD}'><b>Score on this patient</b>{table}{pulled}{files}</div>"
 
 
 _STEPS = ("Hold <b>S</b>: the jaw opens.", "Swing with <b>A</b> and <b>D</b>.", "Watch the bars fill.")

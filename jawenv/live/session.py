@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jawenv.envs.registration  # noqa: F401  (the ids)
+from jawenv.answers.tension import Tension, tensions_of
 from jawenv.base.errors import InputError, not_among, reason_of
 from jawenv.controls import takes_targets
 from jawenv.device.channels import HIGHEST, LOWEST
@@ -213,6 +214,11 @@ class DriveSession:
         if not self._times:
             raise InputError("recording: nothing was driven; allowed: one step or more")
         return record_of(self._env.simulation, 0)
+
+    def forces(self) -> list[Tension]:
+        """Closing force of all muscles at the incisors as the filter has it, at openings that the drive reached."""
+        belief = self._env.simulation.worlds[0]["known"]["belief"]
+        return tensions_of(self.record(), belief["mean"], belief["cov"])["all"]
 
     def save(self, folder: Path, path: Path | None = None) -> list[Path]:
         """Write what was driven: a maneuver file and a recording beside it.

@@ -6,7 +6,7 @@ from scipy.stats import kstest, truncnorm
 
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Patient, cohort
 from jawenv.base.errors import InputError
-from jawenv.mechanics.passive_opening import passive_opening
+from tests.passive_opening import passive_opening
 
 PATIENTS = 4000
 SINGLE_GROUP = ["trismus", "healthy", "severe", "patchy", "blockage", "wide"]

@@ -37,6 +37,7 @@ def test_a_hand_makes_20_steps_a_second_and_learns(driven):
     assert shown.outcome.worst_sd == pytest.approx(shown.scene.belief_sd.max())
     assert shown.outcome.worst_sd < 0.3 * shown.scene.prior_sd.max()
     assert shown.outcome.duration_s == pytest.approx(3.0) and not shown.outcome.violated
+    assert all(one.force_sd_N < 0.5 * one.force_N for one in session.forces())
     again = session.drive(circles(0))
     assert again.scene.time_s == shown.scene.time_s
 

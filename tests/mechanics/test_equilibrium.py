@@ -9,7 +9,7 @@ import jawenv
 from jawenv.base.errors import InputError
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.passive_opening import passive_opening, pull_to_open
+from tests.passive_opening import passive_opening, pull_to_open
 
 CLOSED = (3e-3, 0.0, 0.05, 0.0, 0.0)
 

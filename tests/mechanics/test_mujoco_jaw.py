@@ -9,8 +9,8 @@ from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import contact_point
-from jawenv.mechanics.passive_opening import passive_opening
 from jawenv.mechanics.plant import PatientJaw, body_motion, checked_motion, motion_at_mouthpiece
+from tests.passive_opening import passive_opening
 
 mujoco_jaw = pytest.importorskip("jawenv.mechanics.mujoco_jaw")
 NAME = "jawenv.mechanics.mujoco_jaw:MujocoJaw"

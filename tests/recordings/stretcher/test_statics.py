@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jawenv.mechanics.passive_opening import pull_to_open
 from jawenv.recordings.stretcher.statics import BY_END, BY_TILT, BY_TONE, OPENING, RATE, Statics
+from tests.passive_opening import pull_to_open
 from tests.stretched_logs import patient
 
 ENDS = np.array([0.003, 0.01, 0.018, 0.025])
