@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from jawenv.filter.model.basis import MIDDLE_POSE
 from jawenv.mechanics.kinematics import contact_point, rotation
 from jawenv.mechanics.opening import muscle_lengths, opening_of
 from jawenv.recordings.defaults import motion_of_reading
@@ -85,6 +86,8 @@ def along_the_way(record: Record) -> Way:
     rows = record.measured[read[np.linspace(0, len(read) - 1, min(_ROWS, len(read))).astype(int)]]
     recorded = np.array([motion_of_reading(jaw, row, record.measurement_sd)[:5] for row in rows])
     pitch = recorded[:, 2]
+    if not np.isfinite(rows[:, :3]).any():  # angles alone do not show how far the condyles slide
+        recorded[:, 0] = MIDDLE_POSE[0] / MIDDLE_POSE[2] * pitch
     shapes = np.column_stack([pitch, pitch**2])
     slide = np.linalg.lstsq(shapes, recorded[:, 0], rcond=None)[0]
     theta = np.linspace(0.0, max(float(pitch.max()), 1e-3), _STEPS)
