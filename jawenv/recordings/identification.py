@@ -13,7 +13,7 @@ from jawenv.recordings.plausibility import Finding, findings
 from jawenv.recordings.record import Record
 from jawenv.recordings.thinning import divided
 
-# What honest recordings stay below (python -m research.recordings).
+# What honest recordings stay below (python -m research.anyone people).
 LARGEST_MISFIT = 1.0
 MOST_REFUSED = 0.05
 MOST_LEFT_OUT = 0.1
