@@ -16,10 +16,11 @@ from rich.progress import track
 
 import jawenv
 from agents import load_agent
+from jawenv.recordings.dividing import divided
 from jawenv.recordings.estimate import Estimator
 from jawenv.recordings.record import Record
 from jawenv.recordings.record_filter import TensionFilter
-from jawenv.recordings.thinning import divided, thinned
+from jawenv.recordings.thinning import thinned
 
 TICK_HZ = 100
 

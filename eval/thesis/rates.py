@@ -9,7 +9,7 @@ from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, judged, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, TICK, sampled_record
-from jawenv.recordings.thinning import divided
+from jawenv.recordings.dividing import divided
 from jawenv.references.extended_kalman import ExtendedKalman
 
 RATES = (200.0, 100.0, 50.0, 20.0, 10.0, 5.0)

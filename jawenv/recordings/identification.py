@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from jawenv.recordings.defaults import UNMODELLED_TIME
+from jawenv.recordings.dividing import divided
 from jawenv.recordings.estimate import Estimate
 from jawenv.recordings.online import OnlineFilter
 from jawenv.recordings.plausibility import Finding, findings
 from jawenv.recordings.record import Record
-from jawenv.recordings.thinning import divided
 
 # What honest recordings stay below (python -m research.anyone people).
 LARGEST_MISFIT = 1.0
@@ -70,7 +70,7 @@ class Identification:
 
 
 def identified(record: Record) -> Identification:
-    """Run the filter over a recording; ticks longer than 10 ms are divided (``thinning.divided``)."""
+    """Run the filter over a recording; ticks longer than 10 ms are divided (``dividing.divided``)."""
     short = divided(record, max(1, round(record.dt / UNMODELLED_TIME)))
     online = OnlineFilter.of_record(short, every=EVERY)
     times, means, covs, left_out = [], [], [], 0

@@ -1,4 +1,4 @@
-"""A recording as a slower device would have made it, and a slow recording with short ticks."""
+"""A recording as a slower device would have made it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
+from jawenv.recordings.dividing import parabola
 from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
@@ -43,7 +44,7 @@ def thinned(record: Record, every: int) -> Record:
         record: of T ticks.
         every: 1 to T.
     """
-    last = _divisible_ticks(record, every)
+    last = _whole_ticks(record, every)
     rows = slice(0, last + 1, every)
     return replace(
         record,
@@ -57,41 +58,7 @@ def thinned(record: Record, every: int) -> Record:
     )
 
 
-def divided(record: Record, parts: int) -> Record:
-    """A slow device's recording with short ticks: each tick divided into equal ones, the encoders unread in between.
-
-    A filter models the unmodelled wrench and the load cell's noise as constant over a tick. Where they change faster
-    than the recording is sampled, ticks of their correlation time (10 ms, ``defaults.UNMODELLED_TIME``) keep the filter
-    calibrated: see ``thinned``. The load cell's samples are read off each tick's parabola; ``wrench_sd`` and
-    ``cell_sd`` rise with the root of ``parts``. Estimators that differentiate the motion need every reading, and refuse
-    such a record.
-
-    Args:
-        record: of T ticks.
-        parts: >= 1; the result has T times as many ticks. Its true states and wrenches between are not known.
-    """
-    if isinstance(parts, bool) or not isinstance(parts, int | np.integer) or parts < 1:
-        raise InputError(f"divided: parts is {parts!r}; allowed: a whole number from 1 on")
-    if parts == 1:
-        return record
-    ticks = len(record.samples)
-    measured = np.full((ticks * parts + 1, record.measured.shape[1]), np.nan)
-    measured[::parts] = record.measured
-    share = (np.arange(parts)[:, None] + np.array([0.0, 0.5, 1.0])) / parts
-    samples = np.einsum("pos,tsk->tpok", _parabola(share), record.samples).reshape(-1, 3, record.samples.shape[-1])
-    return replace(
-        record,
-        time=np.linspace(record.time[0], record.time[-1], ticks * parts + 1),
-        measured=measured,
-        samples=samples,
-        wrench_sd=record.wrench_sd * np.sqrt(parts),
-        cell_sd=record.cell_sd * np.sqrt(parts),
-        states=None,
-        wrenches=None,
-    )
-
-
-def _divisible_ticks(record: Record, every: int) -> int:
+def _whole_ticks(record: Record, every: int) -> int:
     """Number of the ticks that make whole longer ones."""
     ticks = len(record.samples)
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or not 1 <= every <= ticks:
@@ -109,7 +76,7 @@ def _longer_ticks(samples: Array, every: int) -> Array:
         return samples.copy()
     nodes, weights = np.polynomial.legendre.leggauss(3)
     share = 0.5 * (nodes + 1.0)
-    sample_weights = _parabola(share)
+    sample_weights = parabola(share)
     position = (np.arange(every)[:, None] + share) / every
     moments = np.einsum("egm,g,gs->mes", _legendre(position), 0.5 * weights / every, sample_weights)
     to_samples = np.einsum("om,mes->oes", _legendre(np.array([0.0, 0.5, 1.0])), moments)
@@ -117,12 +84,6 @@ def _longer_ticks(samples: Array, every: int) -> Array:
     fitted = np.einsum("oes,tesk->tok", to_samples, groups)
     frozen = np.ptp(groups, axis=(1, 2)) == 0.0
     return np.where(frozen[:, None], groups[:, 0, :1], fitted)
-
-
-def _parabola(share: Array) -> Array:
-    """(..., 3) weights of the samples at start, middle and end in the parabola through them, at a share of the tick."""
-    ends = (1.0 - share) * (1.0 - 2.0 * share), share * (2.0 * share - 1.0)
-    return np.stack([ends[0], 4.0 * share * (1.0 - share), ends[1]], axis=-1)
 
 
 def _legendre(share: Array) -> Array:

@@ -17,9 +17,9 @@ from scipy.stats import chi2
 from jawenv.anatomy import Prior
 from jawenv.base.errors import InputError
 from jawenv.recordings.defaults import UNMODELLED_TIME
+from jawenv.recordings.dividing import divided
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
-from jawenv.recordings.thinning import divided
 from jawenv.recordings.untold.blocks import MOST_BLOCKS, Blocks, blocks_of
 from jawenv.recordings.untold.learnt import weighed
 from jawenv.recordings.untold.temperature import joint_of

@@ -12,10 +12,10 @@ from jawenv.anatomy.knowledge import IMAGED
 from jawenv.base.errors import InputError
 from jawenv.mechanics.building import gravity_in_head
 from jawenv.recordings.defaults import UNMODELLED_TIME, tilt_of
+from jawenv.recordings.dividing import divided
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
-from jawenv.recordings.thinning import divided
 from jawenv.recordings.untold.bank import LAWS, LEVELS, Mixture, beforehand, mixture
 from jawenv.recordings.untold.blocks import Blocks, blocks_of
 from jawenv.recordings.untold.law import tensions

@@ -11,7 +11,8 @@ from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_
 from jawenv.base.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
 from jawenv.filter.bound.joint_step import propagate
-from jawenv.recordings.thinning import divided, thinned
+from jawenv.recordings.dividing import divided
+from jawenv.recordings.thinning import thinned
 from jawenv.references.extended_kalman import ExtendedKalman
 
 
