@@ -31,9 +31,9 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 from jawenv.recordings import defaults
 from jawenv.recordings.filter_settings import settings_of_configuration, settings_of_record
-from jawenv.recordings.given import unread
 from jawenv.recordings.online_belief import OnlineBelief
 from jawenv.recordings.record import Record
+from jawenv.recordings.resolved import unread
 
 if TYPE_CHECKING:
     from jawenv.recordings.untold.learnt import Learnt

@@ -96,5 +96,5 @@ def unread(world: Configuration, jaw: Any) -> Record:
         knowledge=world.build_knowledge(),
         force_sensor=world.force_sensor,
         device=world.build_device(),
-        **given_errors(world, {}, TICK),
+        **resolved_errors(world, {}, TICK),
     )

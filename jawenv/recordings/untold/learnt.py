@@ -108,11 +108,11 @@ def _joint(blocks: Blocks, found: Mixture, temperature: float, spread: float) ->
     cov = spread * np.linalg.inv(information + np.eye(len(information)))
     others = joint.directions[:, p:]
     moved = np.einsum("nk,enlx->eklx", others[c:], blocks.by_end)
-    told = np.flatnonzero(np.abs(moved).max(axis=(0, 2, 3)) + np.abs(others[:c]).max(axis=0) > 0.0)
+    estimated = np.flatnonzero(np.abs(moved).max(axis=(0, 2, 3)) + np.abs(others[:c]).max(axis=0) > 0.0)
     bends = joint.values[:c] + blocks.nominal.ravel() - tensions(blocks.basis, found.best[None])[0][0]
-    bent = np.vstack([bends, others[:c, told].T]).reshape(-1, *blocks.nominal.shape)
-    kept, units = np.append(np.arange(p), p + told), np.append(blocks.prior_sd, np.ones(len(told)))
-    return JointBelief(units * cov[np.ix_(kept, kept)] * units[:, None], moved[:, told], bent, blocks.basis)
+    bent = np.vstack([bends, others[:c, estimated].T]).reshape(-1, *blocks.nominal.shape)
+    kept, units = np.append(np.arange(p), p + estimated), np.append(blocks.prior_sd, np.ones(len(estimated)))
+    return JointBelief(units * cov[np.ix_(kept, kept)] * units[:, None], moved[:, estimated], bent, blocks.basis)
 
 
 def _with_attachments(jaw: Any, blocks: Blocks, values: Array) -> Any:
