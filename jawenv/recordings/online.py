@@ -140,31 +140,22 @@ class OnlineFilter:
         self._tick = 0
         self._take()
 
-    def reset(self, start_mean: ArrayLike | None = None, start_sd: ArrayLike | None = None) -> None:
+    def reset(self, start_mean: ArrayLike | None = None) -> None:
         """Forget all readings; the next update is the first.
 
         Args:
-            start_mean: (n,) motion (q, u) of the jaw before the first reading. None for that of the record that the
-                filter was made from, or else for what explains the first reading best, with an sd so wide that the
-                reading decides.
-            start_sd: (n,) its sd. None for the record's, or else for that of the environments: 1 mm, 1 degree, 1 mm/s
-                and 0.01 rad/s.
+            start_mean: (n,) motion (q, u) of the jaw before the first reading, within 1 mm, 1 degree, 1 mm/s and 0.01
+                rad/s (sds). None for that of the record that the filter was made from, or else for what explains the
+                first reading best, with an sd so wide that the reading decides.
 
         Raises:
-            InputError: an array has the wrong shape or holds what it must not, or there is an sd without a mean.
+            InputError: an array has the wrong shape or holds what it must not.
         """
-        if start_mean is None and start_sd is not None:
-            raise InputError("start_sd is given without start_mean; allowed: both, start_mean alone, or neither")
-        begun = None
+        begun = self._start
         if start_mean is not None:
-            size = (self._states,)
-            mean = _numbers("start_mean", start_mean, size)
-            sd = self._start_sd if start_sd is None else _numbers("start_sd", start_sd, size)
-            if not (np.isfinite(mean).all() and np.isfinite(sd).all() and (sd >= 0.0).all()):
-                raise InputError("start_mean or start_sd holds what is not allowed: finite numbers, sds of 0 or more")
-            begun = mean, sd
-        elif self._start is not None:
-            begun = self._start
+            begun = _numbers("start_mean", start_mean, (self._states,)), self._start_sd
+            if not np.isfinite(begun[0]).all():
+                raise InputError("start_mean holds what is not allowed: finite numbers")
         self._tick = -1
         self._waiting = begun is None
         if begun is not None:
@@ -202,12 +193,8 @@ class OnlineFilter:
     def learnt(self) -> Learnt | None:
         """The belief with sizes of errors that the readings so far show, as ``jawenv.identify`` learns them.
 
-        Of a person without a scan, whom ``update`` believes and gets wrong, it is the belief to act on. It takes 0.1 to
-        0.5 s of a processor and changes nothing.
-
-        Returns:
-            ``mean`` and ``cov`` of the natural logs with what was found; None before 5 s, or where nothing can be
-            learnt.
+        Of a person without a scan it is the belief to act on. It takes 0.1 to 0.5 s of a processor and changes nothing;
+        None before 5 s, or where nothing can be learnt.
         """
         from jawenv.recordings.untold.learnt import learnt
 
