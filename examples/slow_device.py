@@ -17,7 +17,6 @@ from rich.progress import track
 import jawenv
 from agents import load_agent
 from jawenv.recordings.dividing import divided
-from jawenv.recordings.estimate import Estimator
 from jawenv.recordings.record import Record
 from jawenv.recordings.record_filter import TensionFilter
 from jawenv.recordings.thinning import thinned
@@ -25,7 +24,7 @@ from jawenv.recordings.thinning import thinned
 TICK_HZ = 100
 
 
-def judge(estimator: Estimator, records: Sequence[Record], told: str) -> tuple[np.ndarray, np.ndarray]:
+def judge(estimator: TensionFilter, records: Sequence[Record], told: str) -> tuple[np.ndarray, np.ndarray]:
     """NEES per parameter (N,), and errors (N, P) of the natural logs."""
     nees, errors = [], []
     for record in track(records, told, transient=True, disable=not sys.stderr.isatty()):
@@ -49,17 +48,16 @@ def main() -> None:
     env_kwargs = {"record": True, "episode_s": given.episode_s}
     agent = load_agent(given.maneuver, control="force")
     records = jawenv.play(agent, patients=given.patients, seed=given.seed, env_kwargs=env_kwargs).records
-    estimators: list[Estimator] = [TensionFilter()]
+    estimator = TensionFilter()
     print(f"{agent.name}, {given.patients} patients, {given.episode_s:g} s\n")
     print("readings  estimator            NEES/12         median   rms error of the logs")
     for every in given.every:
         slow = [divided(thinned(record, every), every) for record in records]
-        for estimator in estimators:
-            rate = f"{TICK_HZ / every:g} Hz"
-            nees, errors = judge(estimator, slow, f"{rate}, {estimator.name}")
-            spread = np.std(nees, ddof=1) / np.sqrt(len(nees)) if len(nees) > 1 else np.nan
-            figures = f"{nees.mean():7.2f} ± {spread:5.2f}  {np.median(nees):7.2f}"
-            print(f"{rate:8s}  {estimator.name:18s}  {figures}  {np.sqrt(np.mean(errors**2)):8.1%}", flush=True)
+        rate = f"{TICK_HZ / every:g} Hz"
+        nees, errors = judge(estimator, slow, f"{rate}, {estimator.name}")
+        spread = np.std(nees, ddof=1) / np.sqrt(len(nees)) if len(nees) > 1 else np.nan
+        figures = f"{nees.mean():7.2f} ± {spread:5.2f}  {np.median(nees):7.2f}"
+        print(f"{rate:8s}  {estimator.name:18s}  {figures}  {np.sqrt(np.mean(errors**2)):8.1%}", flush=True)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from eval.rows.nuisances import NuisanceBeliefs
 from jawenv.base.errors import InputError
 from jawenv.metrics import claimed_information, covered, nees, true_information
 from jawenv.playing.recording import Recording
-from jawenv.recordings.estimate import Estimate, Estimator
+from jawenv.recordings.estimate import Estimate
 from jawenv.references.extended_kalman import ExtendedKalman
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ TENSION = "tension"
 """The environment's own filter: its belief stands in the recording and is not computed again."""
 THESIS_RATE = 0.01  # relative, per square root of a second: the constant noise of Young (2016)
 
-OTHERS: Mapping[str, Callable[[int], Estimator]] = MappingProxyType(
+OTHERS: Mapping[str, Callable[[int], ExtendedKalman]] = MappingProxyType(
     {
         "ekf-decaying": lambda every: ExtendedKalman("log", every=every),
         "ekf-constant": lambda every: ExtendedKalman("log", THESIS_RATE, math.inf, every),

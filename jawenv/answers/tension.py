@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from jawenv.filter.model.basis import MIDDLE_POSE
 from jawenv.mechanics.kinematics import contact_point, rotation
@@ -61,9 +62,8 @@ def tensions_of(
     asked = [] if len(way.opening) < _FEWEST else [mm for mm in OPENINGS_MM if mm <= 1e3 * way.opening.max()]
     names = [name.removeprefix("log_F_o/") for name in record.parameter_names[::2]]
     groups = {name: np.array([one == name for one in names]) for name in names}
-    for side in ("left", "right"):
-        if any(name.endswith(side) for name in names):
-            groups[side] = np.array([name.endswith(side) for name in names])
+    sides = {side: np.array([name.endswith(side) for name in names]) for side in ("left", "right")}
+    groups |= {side: members for side, members in sides.items() if members.any()}
     groups["all"] = np.ones(len(names), dtype=bool)
     found: dict[str, list[Tension]] = {group: [] for group in groups}
     if not asked:
@@ -108,16 +108,11 @@ def _curves(jaw: Any, way: Way, log_mean: Array, log_cov: Array, joint: JointBel
     F_o, b = np.exp(log_mean.reshape(-1, 2)[muscle]).T
     tension = F_o * np.exp(b * way.strain)
     by_log = np.zeros((p, *tension.shape))
-    for line, owner in enumerate(muscle):
-        by_log[2 * owner, :, line], by_log[2 * owner + 1, :, line] = (
-            tension[:, line],
-            (b * way.strain * tension)[:, line],
-        )
+    lines = np.arange(len(muscle))
+    by_log[2 * muscle, :, lines], by_log[2 * muscle + 1, :, lines] = tension.T, (b * way.strain * tension).T
     if joint is None:
-        lines = len(muscle)
-        by_end = tension * LEVER_SD * np.eye(lines)[:, None]
-        cov = np.zeros((p + lines, p + lines))
-        cov[:p, :p], cov[p:, p:] = log_cov, np.eye(lines)
+        by_end = tension * LEVER_SD * np.eye(len(muscle))[:, None]
+        cov = block_diag(log_cov, np.eye(len(muscle)))
     else:
         nodes, centre = (joint.basis[name][muscle] for name in ("nodes", "centre"))
         exponentials = np.exp(nodes * (way.strain - centre)[:, :, None])

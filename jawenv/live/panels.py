@@ -159,8 +159,8 @@ def score_html(outcomes: Sequence[DriveOutcome], forces: Sequence[Tension], save
         )
         cells = "".join(f"<td style='{_FIGURE}'>{figure}</td>" for figure in figures)
         rows.append(f"<tr><th style='{_NAME};white-space:normal'>{escape(one.name.replace('_', ' '))}</th>{cells}</tr>")
-    pulls = ", ".join(f"{one.opening_mm:g} mm {one.force_N:.2f} ± {one.force_sd_N:.2f} N" for one in forces)
-    pulled = f"<div>closing force at the incisors, opened by {pulls}</div>" if pulls else ""
+    pulls = [f"{one.opening_mm:g} mm {one.force_N:.2f} ± {one.force_sd_N:.2f} N" for one in forces]
+    pulled = f"<div>closing force at the incisors, opened by {', '.join(pulls)}</div>" if pulls else ""
     files = "".join(f"<div style='overflow-wrap:anywhere'>saved: {escape(path)}</div>" for path in saved)
     table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'>{head}{''.join(rows)}</table>"
     return f"<div id='score' style='{_CARD}'><b>Score on this patient</b>{table}{pulled}{files}</div>"

@@ -217,8 +217,8 @@ class DriveSession:
 
     def forces(self) -> list[Tension]:
         """Closing force of all muscles at the incisors as the filter has it, at openings that the drive reached."""
-        belief = self._env.simulation.worlds[0]["known"]["belief"]
-        return tensions_of(self.record(), belief["mean"], belief["cov"])["all"]
+        mean, cov = (self._env.simulation.worlds[0]["known"]["belief"][name] for name in ("mean", "cov"))
+        return tensions_of(self.record(), mean, cov)["all"]
 
     def save(self, folder: Path, path: Path | None = None) -> list[Path]:
         """Write what was driven: a maneuver file and a recording beside it.

@@ -34,11 +34,6 @@ POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 0.02, 0.5, 0.1, 2.0
 FIT_STEPS = 20
 
 
-def geometry(model: str, head_tilt_deg: float = 0.0) -> Any:
-    """The jaw of a model of the ladder, a record of dtype ``jaw_dtype``."""
-    return geometry_of(Configuration(model=model), head_tilt_deg)
-
-
 def geometry_of(configuration: Configuration, head_tilt_deg: float = 0.0) -> Any:
     """The jaw that an environment's filter believes in, a record of dtype ``jaw_dtype``."""
     tilt = real_number(head_tilt_deg)
@@ -59,10 +54,10 @@ def matching_models(parameter_names: tuple[str, ...]) -> list[Model]:
 
 
 def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
-    """(model, head tilt in degrees) whose ``geometry`` this is, to rounding; None for any other jaw."""
+    """(model, head tilt in degrees) whose ``geometry_of`` this is, to rounding; None for any other jaw."""
     tilt = tilt_of(jaw)
     for name in MODELS:
-        candidate = geometry(name)
+        candidate = geometry_of(Configuration(model=name))
         if candidate.dtype != jaw.dtype:
             continue
         candidate["gravity"] = gravity_in_head(float(np.linalg.norm(candidate["gravity"])), tilt)

@@ -1,15 +1,13 @@
-"""The interface that every estimator has: a record in, a belief about the parameters over time out."""
+"""A belief about the parameters over time: what every estimator makes of a record, by ``estimate``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.base.errors import InputError
-from jawenv.recordings.record import Record
 
 Array = NDArray[np.float64]
 
@@ -38,16 +36,3 @@ class Estimate:
     def sd(self) -> Array:
         """(K, p) standard deviations, so 0.05 is 5 %."""
         return np.sqrt(np.diagonal(self.cov, axis1=-2, axis2=-1))
-
-
-class Estimator(Protocol):
-    """Anything that turns a record into a belief about the parameters."""
-
-    @property
-    def name(self) -> str:
-        """Its name in tables."""
-        ...
-
-    def estimate(self, record: Record) -> Estimate:
-        """The belief over time, from this record alone; ``record.truth`` and its like are never read."""
-        ...

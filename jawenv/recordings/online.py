@@ -198,9 +198,8 @@ class OnlineFilter:
         """
         from jawenv.recordings.untold.learnt import learnt
 
-        if self._tick < 1:
-            return None
-        return learnt(self.record(), self._belief["mean"].copy(), self._belief["cov"].copy())
+        belief = self._belief
+        return None if self._tick < 1 else learnt(self.record(), belief["mean"].copy(), belief["cov"].copy())
 
     def record(self) -> Record:
         """What was read so far as a recording: at most 20,480 ticks.

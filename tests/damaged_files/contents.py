@@ -13,6 +13,7 @@ import jawenv
 from agents.replay import Replay
 from eval.kept.tables import write_table
 from jawenv.anatomy import cohort
+from jawenv.envs.configuration import Configuration
 from jawenv.ladder import model_named
 from jawenv.recordings import defaults
 from jawenv.recordings.files import save_record
@@ -53,7 +54,7 @@ def numbers(kind: Any) -> str:
 def recording(folder: Path) -> None:
     """A short record, as CSV and as Parquet."""
     rng = np.random.default_rng(0)
-    rung, jaw = model_named("jaw"), defaults.geometry("jaw", 0.0)
+    rung, jaw = model_named("jaw"), defaults.geometry_of(Configuration())
     names, ticks = rung.muscles.parameter_names, 20
     measured = rng.normal(size=(ticks + 1, 12))
     measured[3, 4] = np.nan

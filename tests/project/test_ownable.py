@@ -19,9 +19,9 @@ LARGEST = {
     "lines of everything else": 13_355,
     "lines that a step loads": 12_463,
     "lines that eval compare loads": 21_040,
-    "lines": 48_110,
+    "lines": 48_001,
     "files": 439,
-    "functions": 2_776,
+    "functions": 2_770,
 }
 STEP = """
 import gymnasium, jawenv

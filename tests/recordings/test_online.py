@@ -15,7 +15,7 @@ from scipy.stats import lognorm
 import jawenv
 from agents import load_agent
 from jawenv.anatomy import default_mandible
-from jawenv.envs.configuration import configure
+from jawenv.envs.configuration import Configuration, configure
 from jawenv.mechanics import build_jaw
 from jawenv.recordings import defaults
 from jawenv.recordings.online import OnlineFilter
@@ -228,7 +228,7 @@ def test_what_a_reset_refuses(online, arguments):
         {"head_tilt_deg": np.nan},
         {"head_tilt_deg": 91},
         {"model": "shark"},
-        {"jaw": defaults.geometry("portions")},
+        {"jaw": defaults.geometry_of(Configuration(model="portions"))},
         {"jaw": build_jaw(), "head_tilt_deg": 3},
         {"cohort": "fish"},
         {"sensors": "smell"},

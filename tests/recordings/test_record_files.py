@@ -13,7 +13,7 @@ import jawenv
 from jawenv.anatomy import cohort
 from jawenv.anatomy.knowledge import LEVELS
 from jawenv.base.errors import InputError
-from jawenv.envs.configuration import configure
+from jawenv.envs.configuration import Configuration, configure
 from jawenv.ladder import MODELS, model_named
 from jawenv.recordings import defaults
 from jawenv.recordings.columns import READINGS
@@ -32,7 +32,7 @@ EXACT = ("sagittal",)
 def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.0) -> Record:
     """A record of numbers without any meaning, some of them not read."""
     rng = np.random.default_rng(seed)
-    rung, jaw = model_named(model), defaults.geometry(model, tilt)
+    rung, jaw = model_named(model), defaults.geometry_of(Configuration(model=model), tilt)
     size, names = 10, rung.muscles.parameter_names
     measured = rng.normal(size=(ticks + 1, 12))
     measured[rng.random(measured.shape) < 0.2] = np.nan
@@ -172,7 +172,7 @@ def test_noise_of_the_load_cell_is_part_of_the_wrench_not_known():
 def test_the_start_is_the_motion_that_explains_the_first_reading(model):
     from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 
-    jaw = defaults.geometry(model)
+    jaw = defaults.geometry_of(Configuration(model=model))
     size = 10
     free = defaults.start_sd(jaw) > 0.0
     truth = np.zeros(size)
