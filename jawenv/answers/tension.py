@@ -140,11 +140,10 @@ def _by_ends(jaw: Any, way: Way, moved: Array) -> tuple[Array, Array]:
 
 def in_words(found: dict[str, list[Tension]]) -> list[str]:
     """A table: force and its error bar, and the stiffness, at each opening."""
-    reached = next(iter(found.values()))
-    if not reached:
+    if not found["all"]:
         return [f"closing force at the incisors: the recording opens by less than {OPENINGS_MM[0]:g} mm"]
     title = "closing force at the incisors, N (stiffness, N/mm)"
-    lines = [f"{title:32}" + "".join(f"{f'{one.opening_mm:g} mm':>22}" for one in reached)]
+    lines = [f"{title:32}" + "".join(f"{f'{one.opening_mm:g} mm':>22}" for one in found["all"])]
     for group, ones in found.items():
         cells = (f"{one.force_N:.2f} ± {one.force_sd_N:.2f} ({one.stiffness_N_mm:.3f})" for one in ones)
         lines.append(f"{group:32}" + "".join(f"{cell:>22}" for cell in cells))

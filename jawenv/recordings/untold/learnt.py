@@ -96,9 +96,8 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
     if found.bend(blocks) <= _BENT:
         mean, cov, joint = found.mean, spread * found.cov, _joint(blocks, found, temperature, spread)
     sizes, rival = dict(zip(LEVELS, found.sizes.tolist(), strict=True)), found.rival(blocks, mean, cov)
-    shows = shown(blocks, found, temperature)
     jaw = _with_attachments(record.jaw, blocks, values) if sizes["lines"] > 1.0 else record.jaw
-    return Learnt(mean, cov, sizes, temperature, jaw, joint, shows, rival)
+    return Learnt(mean, cov, sizes, temperature, jaw, joint, shown(blocks, found, temperature), rival)
 
 
 def _joint(blocks: Blocks, found: Mixture, temperature: float, spread: float) -> JointBelief:
