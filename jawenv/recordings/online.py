@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,9 +34,6 @@ from jawenv.recordings.filter_settings import settings_of_configuration, setting
 from jawenv.recordings.online_belief import OnlineBelief
 from jawenv.recordings.record import Record
 from jawenv.recordings.resolved import unread
-
-if TYPE_CHECKING:
-    from jawenv.recordings.untold.learnt import Learnt
 
 Array = NDArray[np.float64]
 
@@ -190,19 +187,8 @@ class OnlineFilter:
         self._tick += 1
         return self._present_belief(self._take())
 
-    def learnt(self) -> Learnt | None:
-        """The belief with sizes of errors that the readings so far show, as ``jawenv.identify`` learns them.
-
-        Of a person without a scan it is the belief to act on. It takes 0.1 to 0.5 s of a processor and changes nothing;
-        None before 5 s, or where nothing can be learnt.
-        """
-        from jawenv.recordings.untold.learnt import learnt
-
-        belief = self._belief
-        return None if self._tick < 1 else learnt(self.record(), belief["mean"].copy(), belief["cov"].copy())
-
     def record(self) -> Record:
-        """What was read so far as a recording: at most 20,480 ticks.
+        """What was read so far as a recording: at most 20,480 ticks. ``untold.learnt`` learns sizes of errors from it.
 
         Raises:
             InputError: fewer than two updates.
