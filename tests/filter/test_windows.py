@@ -24,9 +24,10 @@ from jawenv.filter.tick import (
 )
 from jawenv.filter.updates.measurement_update import SURPRISING
 from jawenv.metrics.calibration import nees, nees_band
+from jawenv.recordings.dividing import divided
 from jawenv.recordings.online import take_tick
 from jawenv.recordings.record_filter import TensionFilter
-from jawenv.recordings.thinning import divided, thinned
+from jawenv.recordings.thinning import thinned
 
 
 @pytest.fixture(scope="module")
