@@ -17,6 +17,7 @@ from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.answers.answer import Answer
 from jawenv.base.errors import InputError
 from jawenv.metrics import alarm_word
+from jawenv.metrics.verdicts import WITHHELD
 
 
 def write_page(answer: Answer, target: Path) -> Path:
@@ -36,7 +37,7 @@ def write_page(answer: Answer, target: Path) -> Path:
         cov=estimate.cov,
         truth=np.full(len(PARAMETER_NAMES), np.nan) if record.truth is None else record.truth,
         violated=False,
-        misfit=result.misfit if result.believable else inf,
+        misfit=inf if WITHHELD in answer.verdicts.values() else result.misfit,
         shown=None if answer.learnt is None else answer.learnt.shown,
     ).thinned(MOMENTS)
     subject = page.Subject(

@@ -84,11 +84,14 @@ class Answer:
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
-        """The verdict on each muscle of the whole jaw, none where the estimates are not to be believed; else empty."""
+        """The verdict on each muscle of the whole jaw by F_o and b; empty of other muscles.
+
+        None where the estimates are not to be believed, or the jaw does not follow their law: then forces have one.
+        """
         if self.parameter_names[::2] != tuple(f"log_F_o/{name}" for name in MUSCLE_NAMES):
             return {}
         found = [WITHHELD] * len(MUSCLE_NAMES)
-        if self.whole.believable:
+        if self.whole.believable and (self.learnt is None or self.learnt.sizes["law"] == 0.0):
             found = verdicts(self.log_mean, self.log_cov, self.records[0].prior.sd)
         return dict(zip(MUSCLE_NAMES, found, strict=True))
 

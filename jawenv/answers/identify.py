@@ -99,7 +99,8 @@ def identify(
     found, learnt = [one for one, _ in each], each[0][1]
     if len(found) == 1:
         answer = Answer((paths[0],), (records[0],), (found[0],), found[0], learnt, None)
-        return _widened(answer) if cohort is None and answer.beyond_the_prior else answer
+        wider = _widened(answer) if cohort is None and answer.beyond_the_prior else answer
+        return wider if wider.believed else answer
     agree, whole = _together(records, found)
     return Answer(tuple(paths), tuple(records), tuple(found), whole, None, agree)
 

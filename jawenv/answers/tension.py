@@ -9,10 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.special import ndtr
 
 from jawenv.filter.model.basis import MIDDLE_POSE
 from jawenv.mechanics.kinematics import contact_point, rotation
 from jawenv.mechanics.opening import muscle_lengths, opening_of
+from jawenv.metrics.diagnosis import CONFIDENCE, STIFF_F_O_N, whole_muscles_per_line
 from jawenv.recordings.defaults import motion_of_reading
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.record import Record
@@ -21,6 +23,8 @@ from jawenv.recordings.untold.learnt import JointBelief
 OPENINGS_MM = (10.0, 20.0, 30.0)
 LEVER_SD = 0.01
 """Sd of a line's growth with the opening where nothing was learnt of its ends: that of temporalis changes its sign."""
+USUAL_B = 8.5
+"""Between the cohorts healthy and trismus, as `STIFF_F_O_N` is: so is each of their forces at any opening, in logs."""
 _ROWS, _STEPS, _FEWEST = 400, 61, 3
 
 
@@ -32,6 +36,8 @@ class Tension(NamedTuple):
     force_sd_N: float
     stiffness_N_mm: float  # growth with the opening
     stiffness_sd_N_mm: float
+    raised: float  # probability that the force is nearer to that of trismus than to a healthy one
+    word: str  # ``raised`` or ``normal``; empty where neither is sure
 
 
 class Way(NamedTuple):
@@ -69,6 +75,8 @@ def tensions_of(
     if not asked:
         return found
     curves, cov = _curves(record.jaw, way, log_mean, log_cov, joint)
+    usual = STIFF_F_O_N * whole_muscles_per_line(record.parameter_names) * np.exp(USUAL_B * way.strain) * way.growth
+    limits = usual @ np.eye(len(names))[record.jaw["muscle"]]
     both = curves, 1e-3 * np.gradient(curves, way.opening, axis=1, edge_order=2)
     for mm in asked:
         weights = np.array([np.interp(1e-3 * mm, way.opening, row) for row in np.eye(len(way.opening))])
@@ -76,7 +84,10 @@ def tensions_of(
         for group, members in groups.items():
             sums = [values[:, members].sum(axis=1) for values in there]
             sds = [float(np.sqrt(each[1:] @ cov @ each[1:])) for each in sums]
-            found[group].append(Tension(mm, float(sums[0][0]), sds[0], float(sums[1][0]), sds[1]))
+            limit = float((weights @ limits)[members].sum())
+            raised = float(ndtr(np.sign(limit) * (sums[0][0] - limit) / max(sds[0], 1e-12)))
+            word = "raised" if raised >= CONFIDENCE else "normal" if raised <= 1.0 - CONFIDENCE else ""
+            found[group].append(Tension(mm, float(sums[0][0]), sds[0], float(sums[1][0]), sds[1], raised, word))
     return found
 
 
@@ -139,12 +150,12 @@ def _by_ends(jaw: Any, way: Way, moved: Array) -> tuple[Array, Array]:
 
 
 def in_words(found: dict[str, list[Tension]]) -> list[str]:
-    """A table: force and its error bar, and the stiffness, at each opening."""
+    """A table: force and its error bar, the stiffness, and the verdict, at each opening."""
     if not found["all"]:
         return [f"closing force at the incisors: the recording opens by less than {OPENINGS_MM[0]:g} mm"]
     title = "closing force at the incisors, N (stiffness, N/mm)"
-    lines = [f"{title:32}" + "".join(f"{f'{one.opening_mm:g} mm':>22}" for one in found["all"])]
+    lines = [f"{title:32}" + "".join(f"{f'{one.opening_mm:g} mm':>29}" for one in found["all"])]
     for group, ones in found.items():
-        cells = (f"{one.force_N:.2f} ± {one.force_sd_N:.2f} ({one.stiffness_N_mm:.3f})" for one in ones)
-        lines.append(f"{group:32}" + "".join(f"{cell:>22}" for cell in cells))
+        cells = (f"{one.force_N:.2f} ± {one.force_sd_N:.2f} ({one.stiffness_N_mm:.3f}) {one.word:6}" for one in ones)
+        lines.append(f"{group:32}" + "".join(f"{cell:>29}" for cell in cells).rstrip())
     return lines

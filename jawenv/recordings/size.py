@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 from jawenv.anatomy.attachments import attachment
 from jawenv.anatomy.description import Anatomy
@@ -94,22 +95,14 @@ def _height_error(place: Array, angles: Array, guess: Array) -> Array:
     fossa, own = default_fossa(), default_mandible().mouthpiece_m
     shift = _SEAT_SD * np.array([seat_x, seat_z])  # the encoders are zeroed with the teeth together
     x, z = size * own[0] + shift[0], size * own[2] + shift[1]
-    theta, psi, phi = (angles + np.array([_PITCH_SD * pitch, 0.0, 0.0])).T
-    across, upward = _turned(theta, psi, phi, x, z)
+    turned = Rotation.from_euler("YZX", angles + np.array([_PITCH_SD * pitch, 0.0, 0.0]))
+    across, _, upward = turned.apply([x, 0.0, z]).T
     axes = 1e-3 * AXES_MM * np.array([axes_x, axes_z])
     along = place[:, 0] + axes[0] + shift[0] - across
     drop = size * fossa.drop_m * np.exp(_FOSSA_SD * depth)
     wave = fossa.spatial_frequency / size * np.exp(_FOSSA_SD * frequency)
     error: Array = place[:, 2] + axes[1] + shift[1] - upward - drop * (np.cos(wave * along) - 1.0)
     return error
-
-
-def _turned(theta: Array, psi: Array, phi: Array, x: float, z: float) -> tuple[Array, Array]:
-    """Fore-aft and height (N,) of a midline point of the body, turned by pitch, yaw and roll."""
-    across = np.cos(theta) * np.cos(psi) * x
-    across += (np.cos(theta) * np.sin(psi) * np.sin(phi) + np.sin(theta) * np.cos(phi)) * z
-    upward = -np.sin(theta) * np.cos(psi) * x
-    return across, upward + (-np.sin(theta) * np.sin(psi) * np.sin(phi) + np.cos(theta) * np.cos(phi)) * z
 
 
 def sized(size: float) -> Anatomy:

@@ -3,7 +3,7 @@
 For every six sizes all unknowns are integrated out in closed form but the muscles' parameters, about whose most
 probable values a normal belief is laid (Laplace). Beforehand 0.9 of the weight is on a size of zero, also of a wrench
 that the filter was told of: a fixed sd of 0.1 N would double the error bars of recordings that need none. Lines of
-muscles have no usual size: nobody said whether there is a scan.
+muscles are usually those of the mean anatomy, but where a scan is told of: then all sizes are alike.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ LEVELS = {
     "lines": (1.0, 3.0, 10.0),  # sds of attachments over a scan's: 10 is the table's mean anatomy
     "law": LAWS,  # sd of bends, share of a tension
 }
-"""Name of each size -> its levels; the first is the usual one, but of lines."""
+"""Name of each size -> its levels; the first is the usual one, of lines the last."""
 SIZES = np.array([sizes for sizes in product(*LEVELS.values()) if sizes[0] > 0.0 or sizes[4] == 1.0])
 """(288, 6) sizes; laws vary first."""
 _USUAL = 0.9
-_WEIGHED = [name for name in LEVELS if name != "lines"]
+WEIGHED = [name for name in LEVELS if name != "lines"]
 _EFFORT, _LONG = (12, 6), (80, 14)
 """Steps of Newton's method and halvings of each; from an exchange of muscles the way is longer."""
 _ENOUGH = 1e-4
@@ -97,7 +97,8 @@ def mixture(blocks: Blocks, temperature: float, sizes: Array | None = None) -> M
         sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.scan_assumed else SIZES
     information, score, evidence = _about_tensions(blocks, temperature, sizes)
     means, covs, heights = _most_probable(blocks, information, score, np.tile(blocks.point, (len(score), 1)))
-    weights = evidence + heights + beforehand(sizes, _WEIGHED)
+    nobody_scanned = blocks.wrench_assumed > 0.0  # the knowledge is that of a bench
+    weights = evidence + heights + beforehand(sizes, LEVELS if nobody_scanned else WEIGHED)
     weights = np.where(np.isfinite(weights), weights, -np.inf)
     weights = np.exp(weights - weights.max())
     weights /= weights.sum()
@@ -115,7 +116,8 @@ def beforehand(sizes: Array, kinds: Collection[str]) -> Array:
     weights = np.zeros(len(sizes))
     for j, (name, levels) in enumerate(LEVELS.items()):
         if name in kinds:
-            weights += np.where(sizes[:, j] == levels[0], np.log(_USUAL), np.log((1.0 - _USUAL) / (len(levels) - 1)))
+            usual = levels[-1] if name == "lines" else levels[0]
+            weights += np.where(sizes[:, j] == usual, np.log(_USUAL), np.log((1.0 - _USUAL) / (len(levels) - 1)))
     return weights
 
 

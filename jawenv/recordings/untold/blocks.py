@@ -33,7 +33,6 @@ from jawenv.recordings.record import Record
 BLOCK_S = 0.5
 MOST_BLOCKS = 600  # of a recording: those of an hour would fill the memory, so they are longer
 _WIDTH = 0.2  # sd of log b that the basis of tensions spans: of narrower ones no bend of a law can be made
-_MOST_PASSES, _CLOSE = 6, 0.3  # until the unknowns that the filter was told of stay where they are, in prior sds
 _N_CONSTANT = len(WRENCH_UNITS)
 _OF_A_SESSION = ("gravity", "tone", "mouthpiece", "zero", "offset", "turn", "cell_turn", "of_motors", "again")
 """Each mounting draws the unknowns of these effects anew; all others are the patient's own."""
@@ -73,13 +72,6 @@ class Blocks:
         """Number of columns that are of tensions."""
         return self.nominal.size
 
-    def unknowns(self) -> Array:
-        """(n - c,) most probable values of the columns behind the tensions, for the muscles of the point."""
-        sds, c = self.sds(np.array([[1.0, self.wrench_assumed, self.wrench_assumed, 0.0, 1.0, 0.0]]))[0], self.tensions
-        inner = sds[:, None] * self.information.sum(axis=0)[c:, c:] * sds + np.eye(len(sds))
-        values: Array = sds * np.linalg.solve(inner, sds * self.score.sum(axis=0)[c:])
-        return values
-
     def sds(self, sizes: Array) -> Array:
         """(N, n - c) prior sds of the columns behind the tensions under N sizes, see ``bank.SIZES``."""
         others = self.score.shape[1] - self.tensions - 1 - N_OF_DRIFT - N_OF_WRENCH
@@ -97,21 +89,14 @@ def blocks_of(record: Record, mean: Array, unknowns: Array | None = None) -> Blo
     Args:
         record: with ticks of 10 ms.
         mean: (p,) belief about which the motion is linearised.
-        unknowns: (n - c,) the columns behind the tensions there; None for what is most probable of all that the filter
-            was told to be unknown, and 0 of the rest.
+        unknowns: (n - c,) the columns behind the tensions there; None for 0.
     """
     away = (mean - record.prior.mean) / record.prior.sd
     mean = record.prior.mean + np.clip(away, -FARTHEST, FARTHEST) * record.prior.sd  # where a filter may be lost
-    settings, told = _settings(record)
-    if unknowns is not None:
-        return _blocks_at(record, settings, mean, unknowns)
-    unknowns = np.zeros(1 + len(settings["nuisances"]["mass"]) + N_OF_DRIFT)
-    for _ in range(_MOST_PASSES):
-        blocks = _blocks_at(record, settings, mean, unknowns)
-        before, unknowns = unknowns, blocks.unknowns()
-        if not told or np.abs(unknowns - before).max() < _CLOSE:
-            break
-    return blocks
+    settings = _settings(record)
+    if unknowns is None:
+        unknowns = np.zeros(1 + len(settings["nuisances"]["mass"]) + N_OF_DRIFT)
+    return _blocks_at(record, settings, mean, unknowns)
 
 
 def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> Blocks:
@@ -195,15 +180,15 @@ def _drifting(information: Array, score: Array) -> tuple[Array, Array]:
     return turned @ information @ full, np.einsum("bnc,bc->bn", turned, score)
 
 
-def _settings(record: Record) -> tuple[Any, bool]:
-    """The filter's settings with a wrench of 1 N, and a scan's unknowns where it was told of none; whether it was."""
+def _settings(record: Record) -> Any:
+    """The filter's settings with a wrench of 1 N, and a scan's unknowns where it was told of none."""
     told = not record.knowledge.exact
     knowledge = replace(record.knowledge if told else IMAGED, wrench_N=1.0)
     settings = settings_of_record(replace(record, knowledge=knowledge))
     if not told:  # what readings count for is as the filter had it
         own = settings_of_record(record)
         settings["systematic_error"], settings["full_weight_ticks"] = own["systematic_error"], own["full_weight_ticks"]
-    return settings, told
+    return settings
 
 
 def _own(nuisances: Any) -> NDArray[np.bool_]:

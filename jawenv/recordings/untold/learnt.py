@@ -16,8 +16,8 @@ from jawenv.recordings.dividing import divided
 from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
-from jawenv.recordings.untold.bank import LAWS, LEVELS, Mixture, beforehand, mixture
-from jawenv.recordings.untold.blocks import Blocks, blocks_of
+from jawenv.recordings.untold.bank import LAWS, LEVELS, WEIGHED, Mixture, beforehand, mixture
+from jawenv.recordings.untold.blocks import N_OF_DRIFT, N_OF_WRENCH, Blocks, blocks_of
 from jawenv.recordings.untold.law import tensions
 from jawenv.recordings.untold.shown import Shown, shown
 from jawenv.recordings.untold.temperature import excess, joint_of
@@ -27,10 +27,10 @@ _BENT = 3.0
 """Largest ``Mixture.bend`` of a normal that becomes the belief."""
 _MOVED = 0.1  # of a natural logarithm, from where the motion is linearised anew
 _PASSES, _STAYED = 6, 0.5  # until what is far off stays where it is, in sds of a scan
-_LINES = list(LEVELS).index("lines")
 _PITCHED = np.tile([1.0, 0.0, 0.0, 0.0, 10.0, 0.0], (len(LAWS), 1))
 """Sizes of a head of whose pitch nothing is known, and of no other error."""
 _LYING = 5.0  # sds of the head's pitch beyond which it is looked whether the head is pitched so
+_PITCH_SD_DEG = 20.0  # of a head that was found to be pitched so
 _FEWEST = 10
 """Blocks of which groups can be left out."""
 _CONTRADICTION = "errors that nobody told cannot be weighed, the readings contradict each other"
@@ -84,11 +84,10 @@ def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
     if lying is not None:
         record, blocks, (found, temperature, spread) = lying
     unknowns = np.zeros(blocks.score.shape[1] - blocks.tensions)
-    for number in range(_PASSES):
+    for _ in range(_PASSES):
         values = joint_of(blocks, found.best, found.sizes, temperature).values[blocks.tensions :]
         near = np.abs(found.best - blocks.point).max() <= _MOVED
-        stayed = number > 0 and np.abs(values - unknowns)[blocks.attachments].max(initial=0.0) < _STAYED
-        if near and (found.sizes[_LINES] == 1.0 or stayed):
+        if near and np.abs(values - unknowns)[: -N_OF_WRENCH - N_OF_DRIFT].max() < _STAYED:
             break
         unknowns, blocks = values, blocks_of(record, found.best, values)
         found, temperature, spread = weighed(blocks)
@@ -142,8 +141,11 @@ def _lying(
         blocks = blocks_of(record, best, values)
     if number == 0:
         return None
+    if not record.knowledge.exact:
+        record = replace(record, knowledge=replace(record.knowledge, head_tilt_deg=_PITCH_SD_DEG))
+        blocks = blocks_of(record, best, values)
     weighs = weighed(blocks)
-    simpler, usual = beforehand(np.array([weighs[0].sizes, before]), LEVELS)
+    simpler, usual = beforehand(np.array([weighs[0].sizes, before]), WEIGHED)
     return (record, blocks, weighs) if simpler > usual else None
 
 
@@ -178,8 +180,9 @@ def identified_with_errors(record: Record) -> tuple[Identification, Learnt | Non
         return replace(found, rival=_CONTRADICTION), None
     if last is None:
         return found, None
-    if last.jaw is not record.jaw:  # the gate and the alarm judge by the jaw that was learnt
-        found = replace(identified(replace(record, jaw=last.jaw)), estimate=found.estimate)
+    if last.jaw is not record.jaw or not found.believable:  # gate and alarm judge by jaw and muscles that were learnt
+        own = replace(record, jaw=last.jaw, prior=replace(record.prior, mean=last.mean))
+        found = replace(identified(own), estimate=found.estimate)
     mean[-1], cov[-1] = last.mean, last.cov
     estimate = replace(found.estimate, mean=mean, cov=cov)
     return replace(found, estimate=estimate, rival=_in_words(record, last), temperature=last.temperature), last
