@@ -1,15 +1,12 @@
 """Worth of what ``jawenv identify`` says of files as laboratories write them, and of people without a scan.
 
-    python -m research.anyone rates --patients 24
-    python -m research.anyone people --patients 24
-    python -m research.anyone late --patients 24
-    python -m research.anyone laws --patients 24
+    python -m research.anyone {people,rates,late,laws,loop} --patients 24
 
 Times, places, angles and one reading of the load cell a row: no velocities, no header, no word of the patient. The
 tracker has a rate of its own; readings of a cell that is slower stand in the nearest rows, between them cells are
 empty. rates: people of ``anyone`` with a scan's anatomy. people: every cohort with and without a scan, other sizes, a
-head that lies back, axes laid through condyles that were felt for, a bench on which all is a little wrong. A row is
-printed as soon as it is there.
+head that lies back, axes laid through condyles that were felt for, a bench on which all is a little wrong. loop: what
+a device would believe on its way. A row is printed as soon as it is there.
 """
 
 from __future__ import annotations
@@ -18,6 +15,7 @@ import argparse
 import csv
 import sys
 import tempfile
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import product
@@ -32,7 +30,7 @@ from agents import load_agent
 from eval.figures import statistics, words
 from jawenv.anatomy import COHORTS
 from jawenv.anatomy.description import Anatomy
-from jawenv.anatomy.knowledge import IMAGED
+from jawenv.anatomy.knowledge import BENCH, IMAGED
 from jawenv.answers.answer import Answer
 from jawenv.answers.tension import along_the_way
 from jawenv.device.device import Device
@@ -43,8 +41,10 @@ from jawenv.metrics.verdicts import BLOCKED, BOTH, FINDINGS, STIFF
 from jawenv.reality.tissue import STRAIGHT_TO
 from jawenv.recordings.columns import ENCODERS, READINGS, TIME
 from jawenv.recordings.estimate import Array
+from jawenv.recordings.online import OnlineFilter
 from jawenv.recordings.record import Record
 from jawenv.recordings.size import sized
+from jawenv.recordings.untold.learnt import learnt
 from research._beliefs import Beliefs, head, row
 
 MOVEMENTS = ("refined", "slow_opening")
@@ -131,11 +131,6 @@ class _Judged(NamedTuple):
     right: int  # of these
 
 
-def judged(record: Record, hz: float, cell_hz: float, seed: int, late_s: float = 0.0) -> _Judged:
-    """The answer of ``jawenv.identify`` to a played record, written as a laboratory's file, beside the truth."""
-    return _beside(_answer(record, seed, hz, cell_hz, late_s), record)
-
-
 def _answer(record: Record, seed: int, hz: float = TRACKER_HZ, cell_hz: float = CELL_HZ, late_s: float = 0.0) -> Answer:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "lab.csv"
@@ -155,14 +150,27 @@ def _beside(answer: Answer, record: Record) -> _Judged:
     return _Judged(answer.believed, nees, 100.0 * float(answer.log_sd.max()), len(given), right)
 
 
+def _judged(records: Sequence[Record], **lab: float) -> tuple[str, ...]:
+    """Figures of the answers to played records, each written as a laboratory's file."""
+    return _figures([_beside(_answer(record, seed, **lab), record) for seed, record in enumerate(records)])
+
+
 def _figures(found: list[_Judged]) -> tuple[str, ...]:
     nees = np.array([one.nees for one in found if one.believed])
     share, findings = f"{len(nees)} of {len(found)}", sum(one.findings for one in found if one.believed)
     if not len(nees):
         return share, "–", "–", "–"
     right = sum(one.right for one in found if one.believed)
-    shown = f"{words.with_interval(statistics.mean(nees), 2)}, {np.median(nees):.2f}, {nees.max():.1f}"
-    return share, shown, f"{np.median([one.worst for one in found if one.believed]):.0f}", f"{right} of {findings}"
+    return (
+        share,
+        _spread(nees),
+        f"{np.median([one.worst for one in found if one.believed]):.0f}",
+        f"{right} of {findings}",
+    )
+
+
+def _spread(nees: Array) -> str:
+    return f"{words.with_interval(statistics.mean(nees), 2)}, {np.median(nees):.2f}, {nees.max():.1f}"
 
 
 def recordings_of(
@@ -202,8 +210,7 @@ def rates(arguments: argparse.Namespace) -> None:
     for movement in MOVEMENTS:
         records = recordings_of(arguments, movement, cohort="anyone")
         for hz, cell_hz in RATES:
-            found = [judged(record, hz, cell_hz, number) for number, record in enumerate(records)]
-            row(movement, hz, cell_hz, *_figures(found))
+            row(movement, hz, cell_hz, *_judged(records, hz=hz, cell_hz=cell_hz))
 
 
 def people(arguments: argparse.Namespace) -> None:
@@ -221,8 +228,7 @@ def people(arguments: argparse.Namespace) -> None:
     head("cohort", "people", *HEAD, texts=2)
     for cohort, title, world in kinds:
         records = recordings_of(arguments, MOVEMENTS[0], cohort=cohort, **world)
-        found = [judged(record, TRACKER_HZ, CELL_HZ, number) for number, record in enumerate(records)]
-        row(cohort, title, *_figures(found))
+        row(cohort, title, *_judged(records))
 
 
 def _lopsided(part: float) -> Anatomy:
@@ -243,8 +249,23 @@ def late(arguments: argparse.Namespace) -> None:
     for movement in MOVEMENTS:
         records = recordings_of(arguments, movement, cohort="anyone")
         for ms in LATE_MS:
-            found = [judged(record, TRACKER_HZ, CELL_HZ, i, 1e-3 * ms) for i, record in enumerate(records)]
-            row(movement, ms, *_figures(found))
+            row(movement, ms, *_judged(records, late_s=1e-3 * ms))
+
+
+def loop(arguments: argparse.Namespace) -> None:
+    """Print a row for each cohort of what a device would believe, in the loop, of people without a scan."""
+    head("cohort", "filter: NEES/12, median, largest", "with sizes learnt")
+    for cohort in ("trismus", "anyone", "severe"):
+        nees = np.zeros((2, arguments.patients))
+        for number, record in enumerate(recordings_of(arguments, MOVEMENTS[0], cohort=cohort, reality=NO_SCAN)):
+            online = OnlineFilter.of_record(replace(record, knowledge=BENCH))
+            for tick, measured in enumerate(record.measured):
+                belief = online.update(measured, record.samples[tick - 1] if tick else None)
+            last = learnt(online.record(), belief.log_mean, belief.log_cov)
+            assert record.truth is not None and last is not None
+            for k, one in enumerate(((belief.log_mean, belief.log_cov), (last.mean, last.cov))):
+                nees[k, number] = Beliefs.of(*one, record.truth).nees
+        row(cohort, *(_spread(of) for of in nees))
 
 
 def laws(arguments: argparse.Namespace) -> None:
@@ -283,7 +304,7 @@ def _force_cell(forces: list[tuple[float, float]]) -> str:
     return f"{100.0 * error:+.1f}, {square:.2f}"
 
 
-TABLES = {"rates": rates, "people": people, "late": late, "laws": laws}
+TABLES = {"rates": rates, "people": people, "late": late, "laws": laws, "loop": loop}
 
 
 def main() -> None:

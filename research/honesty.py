@@ -5,15 +5,14 @@
 
 bias: the largest mean z of all parameters and agents, all cohorts, three controls. corners: motors held at each of the
 16 corners of their range. memory: a disturbance with memory, told rightly and wrongly. alarm: what rings, of calibrated
-episodes and of others. change: how much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo
-moves, beside the filter's own. way: how often a belief is false on its way, all beliefs and those that are settled, and
-what waiting for these costs. effects: how wrong belief and change are under each effect that the filter is not told.
-all: those of the page, each under its title, on as many patients as ``ALL`` says. A row is printed as soon as it is
-there.
+episodes and of others. jaws: a true jaw that MuJoCo moves, beside the filter's own. way: how often a belief is false on
+its way, all beliefs and those that are settled, and what waiting for these costs. effects: how wrong belief and change
+between two treatments are under each effect that the filter is not told. all: those of the page, each under its title,
+on as many patients as ``ALL`` says. A row is printed as soon as it is there.
 """
 
 import argparse
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -27,7 +26,6 @@ from eval.patient.changes import change_of
 from eval.patient.treatments import first_treatment, next_treatment, population_of
 from eval.studies.design import read
 from jawenv.anatomy import COHORTS
-from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS
 from jawenv.metrics import time_to
 from research._beliefs import Beliefs, head, row
@@ -208,23 +206,9 @@ def inside(z):
     return words.with_interval(words.scaled(statistics.mean(np.mean(np.abs(z) < 1.96, axis=1)), 100.0), 1)
 
 
-def change(arguments):
-    """Between two treatments, drift 0.1."""
-    if arguments.knowledge == "exact":
-        raise SystemExit("error: knowledge is 'exact'; allowed: imaged, or a file of sds")
-    head("agent", "treatments of", "pairs", "inside 95 %, %", "sd, worst / median", "width of 95 %, median", "NEES/12")
-    for name, seconds in product((RICH, SWINGS), (10.0, 30.0)):
-        settings = Settings.of(1, arguments.seed, episode_s=seconds, knowledge=_sds(arguments.knowledge))
-        (entry,) = load_entries([name], settings.world)
-        _, z, sd = _changes_between(entry, arguments)
-        width = f"{200.0 * 1.96 * np.median(sd):.1f} %"
-        spread = f"{100.0 * np.max(sd, axis=1).mean():.1f} / {100.0 * np.median(sd):.1f} %"
-        row(name, f"{seconds:g} s", len(sd), inside(z), spread, width, f"{np.mean(np.square(z)):.2f}")
-
-
 def effects(arguments):
     """Print the harm of untold effects, with a scan's anatomy: ``refined`` of 10 s, change to a second treatment."""
-    settings = Settings.of(1, arguments.seed, episode_s=10.0, knowledge=_sds("imaged"))
+    settings = Settings.of(1, arguments.seed, episode_s=10.0, knowledge="imaged")
     (entry,) = load_entries([RICH], settings.world)
     truths = {title: {"reality": values} for title, values in read("robustness")[1].reality.items()}
     head("effect", "NEES/12, 10 s", "rings, %", "change inside 95 %, %", "its error, median, %", "its sd, median, %")
@@ -276,11 +260,7 @@ def _on_the_way(played):
     return false, played.settled, later - at
 
 
-def _sds(name):
-    return {field: value for field, value in asdict(knowledge(name)).items() if value > 0.0}
-
-
-TABLES = {table.__name__: table for table in (bias, corners, memory, alarm, change, jaws, effects, way)}
+TABLES = {table.__name__: table for table in (bias, corners, memory, alarm, jaws, effects, way)}
 ALL = {
     "bias": ("To which side estimates lie", 200, 20_000),
     "corners": ("Motors held at the corners of their range", 64, 20_000),
@@ -306,7 +286,6 @@ def every(arguments):
 def main() -> None:
     parser = argparse.ArgumentParser(description="Measure how honest the filter is.")
     parser.add_argument("table", choices=("all", *TABLES))
-    parser.add_argument("--knowledge", default="exact")
     parser.add_argument("--patients", type=int, default=200, help="of each row")
     parser.add_argument("--seed", type=int, default=20_000)
     arguments = parser.parse_args()

@@ -82,7 +82,8 @@ def identify(
         return answer_of_log(tables[0], reading, before)
     if before is not None:
         raise InputError("before is given with recordings of six coordinates; allowed: with a log of force and opening")
-    records = [load_record(table, BENCH, **reading) for table in tables]
+    world = BENCH if anatomy is None else replace(BENCH, knowledge="imaged")  # who gives an anatomy has a scan
+    records = [load_record(table, world, **reading) for table in tables]
     _check_distinct(paths, records)
     each = list[tuple[Identification, Learnt | None]]()
     for number, (path, record) in enumerate(zip(paths, records, strict=True), 1):

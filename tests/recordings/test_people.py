@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 import jawenv
+from eval.patient.recordings import write_page
 from jawenv.anatomy.knowledge import IMAGED
-from jawenv.answers import tension
+from jawenv.answers import identify, tension
 from jawenv.answers.tension import tensions_of
 from jawenv.filter.model.basis import N_NODES, build_basis
+from jawenv.metrics.diagnosis import STIFF_F_O_N
 from jawenv.recordings.size import size_of, sized
 from jawenv.recordings.untold.learnt import JointBelief
 from research.anyone import CELL_HZ, NO_SCAN, TRACKER_HZ, lab_file, recordings_of
@@ -72,6 +74,24 @@ def test_a_tracker_of_places_or_of_angles_alone_has_an_answer_in_newtons(unread)
     assert found["all"] and found["all"][0].force_N == pytest.approx(whole["all"][0].force_N, rel=0.1)
 
 
+def test_a_law_that_is_bent_leaves_verdicts_to_forces(tmp_path):
+    found, _ = answer(recordings_of(ASKED, "refined", cohort="trismus")[0], tmp_path)
+    bent = replace(found, learnt=replace(found.learnt, sizes=found.learnt.sizes | {"law": 0.1}))
+    assert "no verdict" not in {verdict.word for verdict in found.verdicts.values()}
+    assert {verdict.word for verdict in bent.verdicts.values()} == {"no verdict"}
+    assert bent.tension["all"][0].word == "raised" and "raised" in str(bent)
+    assert "No verdict" in write_page(bent, tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+def test_a_wider_prior_that_is_not_believed_does_not_replace_an_answer_that_is(tmp_path, monkeypatch):
+    record = recordings_of(ASKED, "refined", cohort="trismus")[0]
+    found, _ = answer(record, tmp_path)
+    doubted = replace(found, whole=replace(found.whole, misfit=2.0))
+    monkeypatch.setattr(type(found), "beyond_the_prior", True)
+    monkeypatch.setattr(identify, "_widened", lambda _: doubted)
+    assert not doubted.believed and answer(record, tmp_path)[0].believed
+
+
 def test_forces_at_the_incisors_do_the_work_that_the_muscles_store():
     """Energy of the springs F_o exp(b e), by differences along the opening."""
     world = {"control": "targets", "record": True, "episode_s": 20.0, "track_bound": False}
@@ -82,6 +102,12 @@ def test_forces_at_the_incisors_do_the_work_that_the_muscles_store():
     stored = np.sum(record.jaw["l_o"] * F_o / b * np.exp(b * strain), axis=1)
     force = np.interp(0.01, opening, np.gradient(stored, opening))
     assert found["all"][0].force_N == pytest.approx(force, rel=0.01)
+    assert found["all"][0].word == "raised" and found["all"][0].raised > 0.99
+    half_way = np.tile(np.log([STIFF_F_O_N, tension.USUAL_B]), 6)
+    for ones in tensions_of(record, half_way, 1e-4 * np.eye(12)).values():
+        assert ones[0].raised == pytest.approx(0.5, abs=1e-6) and ones[0].word == ""
+    softer = tensions_of(record, half_way - 0.5, 1e-4 * np.eye(12))
+    assert {ones[0].word for ones in softer.values()} == {"normal"}
     assert sum(found[name][0].force_N for name in ("left", "right")) == pytest.approx(found["all"][0].force_N)
     step, number = 1e-5, 3
     moved, alone = record.truth.copy(), np.zeros((12, 12))

@@ -97,8 +97,7 @@ def mixture(blocks: Blocks, temperature: float, sizes: Array | None = None) -> M
         sizes = SIZES[SIZES[:, 0] == 1.0] if blocks.scan_assumed else SIZES
     information, score, evidence = _about_tensions(blocks, temperature, sizes)
     means, covs, heights = _most_probable(blocks, information, score, np.tile(blocks.point, (len(score), 1)))
-    nobody_scanned = blocks.wrench_assumed > 0.0  # the knowledge is that of a bench
-    weights = evidence + heights + beforehand(sizes, LEVELS if nobody_scanned else WEIGHED)
+    weights = evidence + heights + beforehand(sizes, LEVELS if blocks.wrench_assumed else WEIGHED)  # of a bench
     weights = np.where(np.isfinite(weights), weights, -np.inf)
     weights = np.exp(weights - weights.max())
     weights /= weights.sum()

@@ -123,6 +123,15 @@ def test_a_size_that_is_there_is_found_and_one_that_is_not_is_zero(blocks):
     np.testing.assert_array_equal(bank.mixture(without, 1.0).sizes, [1.0, 0.0, 0.0, 0.0, 1.0, 0.0])
 
 
+def test_lines_are_those_of_the_mean_anatomy_where_nobody_told_of_a_scan(blocks):
+    """The made-up readings say nothing of lines, so that weights are those beforehand."""
+    one, _ = blocks
+    for wrench, expected in ((0.1, [0.05, 0.05, 0.9]), (0.0, [1.0 / 3.0] * 3)):
+        found = bank.mixture(replace(one, wrench_assumed=wrench), 1.0)
+        shares = [found.weights[found.every[:, 4] == level].sum() for level in bank.LEVELS["lines"]]
+        np.testing.assert_allclose(shares, expected, atol=1e-9)
+
+
 def test_two_muscles_that_explain_each_others_readings_are_rivals_and_their_valley_is_bent(blocks):
     """The sum of two tensions is told, and is so large that the prior wants one muscle to pull it all."""
     one, _ = blocks
