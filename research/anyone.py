@@ -41,8 +41,8 @@ from jawenv.metrics.verdicts import BLOCKED, BOTH, FINDINGS, STIFF
 from jawenv.reality.tissue import STRAIGHT_TO
 from jawenv.recordings.columns import ENCODERS, READINGS, TIME
 from jawenv.recordings.estimate import Array
-from jawenv.recordings.online import OnlineFilter
 from jawenv.recordings.record import Record
+from jawenv.recordings.record_filter import TensionFilter
 from jawenv.recordings.size import sized
 from jawenv.recordings.untold.learnt import learnt
 from research._beliefs import Beliefs, head, row
@@ -258,12 +258,11 @@ def loop(arguments: argparse.Namespace) -> None:
     for cohort in ("trismus", "anyone", "severe"):
         nees = np.zeros((2, arguments.patients))
         for number, record in enumerate(recordings_of(arguments, MOVEMENTS[0], cohort=cohort, reality=NO_SCAN)):
-            online = OnlineFilter.of_record(replace(record, knowledge=BENCH))
-            for tick, measured in enumerate(record.measured):
-                belief = online.update(measured, record.samples[tick - 1] if tick else None)
-            last = learnt(online.record(), belief.log_mean, belief.log_cov)
+            told = replace(record, knowledge=BENCH)
+            found = TensionFilter().estimate(told)  # bit for bit what an online filter believes
+            last = learnt(told, found.mean[-1], found.cov[-1])
             assert record.truth is not None and last is not None
-            for k, one in enumerate(((belief.log_mean, belief.log_cov), (last.mean, last.cov))):
+            for k, one in enumerate(((found.mean[-1], found.cov[-1]), (last.mean, last.cov))):
                 nees[k, number] = Beliefs.of(*one, record.truth).nees
         row(cohort, *(_spread(of) for of in nees))
 

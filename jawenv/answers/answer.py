@@ -238,10 +238,11 @@ class Answer:
         tension = {
             name: {f"{one.opening_mm:g}_mm": one._asdict() for one in ones} for name, ones in self.tension.items()
         }
-        learnt = None
+        learnt: dict[str, Any] | None = None
         if self.learnt is not None:
-            learnt = self.learnt.sizes | {"temperature": self.learnt.temperature}
-            learnt |= {"head_tilt_deg": tilt_of(self.learnt.jaw)}
+            late = None if self.learnt.joint is None else list(self.learnt.joint.late_s)
+            others = {"temperature": self.learnt.temperature, "head_tilt_deg": tilt_of(self.learnt.jaw)}
+            learnt = self.learnt.sizes | others | {"forces_late_s": late}
         answer: dict[str, Any] = {
             "parameter_names": list(self.parameter_names),
             "tension": tension,

@@ -61,10 +61,12 @@ def learnt_in_words(record: Record, last: Learnt | None) -> str:
     if last is None:
         return "nothing, the recording is too short or its readings contradict each other"
     tilt = defaults.tilt_of(last.jaw)
+    late, late_sd = (0.0, 0.0) if last.joint is None else last.joint.late_s
     sizes, force = last.sizes, max(last.sizes["constant"], last.sizes["shapes"])
     said = {
         f"lines of muscles {sizes['lines']:g} times as far from the table as a scan leaves them": sizes["lines"] > 1.0,
         f"the head is pitched by {tilt:.0f} degrees": abs(tilt - defaults.tilt_of(record.jaw)) > 1.0,
+        f"forces are late by {1e3 * late:.0f} ms": abs(late) > max(3.0 * late_sd, 0.008),
         f"a force of {force:g} N that no muscle pulls": force > 0.0,
         f"laws of muscles bent by {sizes['law']:.0%}: F_o and b are numbers of a law that this jaw does not follow": (
             sizes["law"] > 0.0
@@ -78,9 +80,8 @@ def reasons(record: Record, result: Identification) -> list[str]:
     """Lines that say why the estimates are not to be believed; first whether they fit anyone, if not whom was told."""
     unfit = all(finding.plausible for finding in result.findings) and result.learnt_s >= LEAST_S
     doubts, told, anyone = [f"- {doubt}" for doubt in result.doubts], cohort_assumed(record), COHORTS[defaults.ANYONE]
-    if told == anyone.name or not unfit:
-        return [*doubts, f"Look at {_LOOK_AT}."]
-    if not identified(replace(record, prior=_cohorts(record)[anyone.name].prior)).believable:
+    wider = replace(record, prior=_cohorts(record)[anyone.name].prior)
+    if told == anyone.name or not unfit or not identified(wider).believable:
         return [*doubts, f"Look at {_LOOK_AT}."]
     fits = f"- the recording fits {anyone.description}, not {told or 'this prior'}"
     return [fits, *doubts, f"Identify it again with --cohort {anyone.name}."]

@@ -117,8 +117,6 @@ def _identified(
 ) -> tuple[Record, Identification, Learnt | None]:
     """The recording and its identification; by its motion where that shows a size, or where else it does not fit."""
     found, learnt = identified_with_errors(record)
-    if found.believable and (learnt is None or learnt.usual):
-        return record, found, learnt
     own = by_its_motion(table, record, **reading)
     fits = found.believable and found.temperature < INCONSISTENT
     if own is not None and (size_in(own.jaw) != 1.0 or not fits):

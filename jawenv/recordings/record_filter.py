@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
-from jawenv.base.errors import InputError
 from jawenv.recordings.estimate import Estimate
 from jawenv.recordings.online import OnlineFilter
 from jawenv.recordings.record import Record
 
 
+@dataclass(frozen=True)
 class TensionFilter:
-    """The filter of the environments: see ``state``.
+    """The filter of the environments: see ``state``."""
 
-    Args:
-        every: Ticks from one belief to the next; 5 as in the environments at 20 Hz.
-    """
-
-    name = "tension filter"
-
-    def __init__(self, *, every: int = 5) -> None:
-        """Check the argument."""
-        if every < 1:
-            raise InputError(f"every is {every}; allowed: 1 or more")
-        self.every = every
+    name: ClassVar[str] = "tension filter"
+    every: int = 5  # ticks from one belief to the next, as in the environments at 20 Hz
 
     def estimate(self, record: Record) -> Estimate:
         """The belief at the start and after every ``every`` ticks."""

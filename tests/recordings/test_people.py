@@ -64,6 +64,16 @@ def test_axes_laid_through_condyles_that_were_felt_for_are_found_unless_they_are
     assert not answer(record, tmp_path, knowledge="bench")[0].believed
 
 
+def test_forces_that_are_late_are_said_to_be(tmp_path):
+    record = recordings_of(ASKED, "refined", cohort="anyone")[0]
+    lab_file(record, TRACKER_HZ, CELL_HZ, tmp_path / "lab.csv", late_s=0.02)
+    found = jawenv.identify(tmp_path / "lab.csv")
+    late, sd = found.mapping()["learnt"]["forces_late_s"]
+    assert found.believed and abs(late - 0.02) < 0.01 and sd < 0.01
+    assert f"forces are late by {1e3 * late:.0f} ms" in str(found)
+    assert "late by" not in str(answer(record, tmp_path)[0])
+
+
 @pytest.mark.parametrize("unread", [slice(3, 6), slice(0, 3)])
 def test_a_tracker_of_places_or_of_angles_alone_has_an_answer_in_newtons(unread):
     world = {"record": True, "episode_s": 20.0, "control": "targets", "track_bound": False}
@@ -114,7 +124,9 @@ def test_forces_at_the_incisors_do_the_work_that_the_muscles_store():
     moved[number], alone[number, number] = moved[number] + step, 1.0
     by_log = tensions_of(record, moved, alone)["all"][0].force_N - found["all"][0].force_N
     basis = build_basis(record.jaw, record.prior)[0]
-    known = JointBelief(alone, np.zeros((2, 0, *record.jaw["origin"].shape)), np.zeros((1, 6, N_NODES)), basis)
+    known = JointBelief(
+        alone, np.zeros((2, 0, *record.jaw["origin"].shape)), np.zeros((1, 6, N_NODES)), basis, (0.0, 1.0)
+    )
     sd = tensions_of(record, record.truth, alone, known)["all"][0].force_sd_N
     assert sd == pytest.approx(abs(by_log) / step, rel=1e-3)
     unknown = np.random.default_rng(0).normal(scale=1e-5, size=(2, 1, *record.jaw["origin"].shape))

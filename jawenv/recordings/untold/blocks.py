@@ -39,14 +39,15 @@ _OF_A_SESSION = ("gravity", "tone", "mouthpiece", "zero", "offset", "turn", "cel
 N_OF_WRENCH = N_SHAPES * _N_CONSTANT
 """Numbers of the wrench that no muscle pulls: first those that are constant, then those of the other shapes."""
 _STRETCHES = 3  # of a recording, over each of which the load cell's zero may drift by a number of its own
-N_OF_DRIFT = _STRETCHES * _N_CONSTANT
+LATE_S = 0.04  # sd of how late forces were written
+N_OF_DRIFT = _STRETCHES * _N_CONSTANT + 1  # the last is how late
 _MOST_ATTACHMENTS = 30.0  # sds of a scan by which an end may be off, as the table's are
 _LINEAR = 1.2  # prior sds of another unknown from its nominal value within which the motion is linearised
 
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """The log-likelihood of B blocks, quadratic in n columns: tensions, gain, other unknowns, drift of zero, wrench.
+    """The log-likelihood of B blocks, quadratic in n columns: tensions, gain, other unknowns, drift and delay, wrench.
 
     The c columns of tensions count from the point, all others from 0.
     """
@@ -79,7 +80,7 @@ class Blocks:
         gain = np.full((len(sizes), 1), self.gain_sd)
         known = np.repeat(np.ones_like(scan) if self.scan_assumed else scan, others, axis=1)
         wrench = np.repeat(constant, _N_CONSTANT, axis=1), np.repeat(shapes, N_OF_WRENCH - _N_CONSTANT, axis=1)
-        sds = np.hstack([gain, known, np.repeat(drift, N_OF_DRIFT, axis=1), *wrench])
+        sds = np.hstack([gain, known, np.repeat(drift, N_OF_DRIFT - 1, axis=1), known[:, :1], *wrench])
         return sds * np.where(self.attachments, ends, 1.0)
 
 
@@ -126,7 +127,10 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     information = np.triu(kept[0]) + np.swapaxes(np.triu(kept[0], 1), 1, 2)
     information = np.diff(information[:, order][:, :, order], axis=0, prepend=0.0)
     score = np.diff(kept[1][:, order], axis=0, prepend=0.0) + information @ steps[order]
-    information, score = _drifting(information, score)
+    forces = np.nan_to_num(record.samples[: count * every, 0, [*WRENCH_UNITS]]).reshape(count, every, _N_CONSTANT)
+    rates = np.gradient(forces.mean(axis=1), every * record.dt, axis=0) if count > 1 else np.zeros((count, _N_CONSTANT))
+    late = LATE_S * rates / [*WRENCH_UNITS.values()]
+    information, score = _drifting(information, score, late)
     by_end = np.zeros((2, len(steps) - c, lines_of_jaw, 3))
     for moved, name in zip(by_end, ("origin", "insertion"), strict=True):
         moved[1 : 1 + sizes[0]] = nuisances[name].reshape(sizes[0], -1, 3)
@@ -166,8 +170,8 @@ def _with_attachments(jaw: Any, nuisances: Any, steps: Array) -> Any:
     return changed
 
 
-def _drifting(information: Array, score: Array) -> tuple[Array, Array]:
-    """The same with columns of a zero that drifts by a number over each stretch, and keeps it from there on."""
+def _drifting(information: Array, score: Array, late: Array) -> tuple[Array, Array]:
+    """The same with columns of a zero that drifts over each stretch and stays so, and of ``late`` (B, 5) forces."""
     count, columns = score.shape
     constant = np.arange(columns - N_OF_WRENCH, columns - N_OF_WRENCH + _N_CONSTANT)
     share = np.clip(_STRETCHES * (np.arange(count)[:, None] + 0.5) / count - np.arange(_STRETCHES), 0.0, 1.0)
@@ -176,6 +180,7 @@ def _drifting(information: Array, score: Array) -> tuple[Array, Array]:
     full[:, np.arange(columns), kept] = 1.0
     for stretch in range(_STRETCHES):
         full[:, constant, constant + stretch * _N_CONSTANT] = share[:, stretch, None]
+    full[:, constant, constant[0] + N_OF_DRIFT - 1] = late
     turned = np.swapaxes(full, 1, 2)
     return turned @ information @ full, np.einsum("bnc,bc->bn", turned, score)
 

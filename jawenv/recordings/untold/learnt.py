@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from jawenv.anatomy import Prior
 from jawenv.anatomy.knowledge import IMAGED
 from jawenv.base.errors import InputError
 from jawenv.mechanics.building import gravity_in_head
@@ -17,7 +18,7 @@ from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
 from jawenv.recordings.untold.bank import LAWS, LEVELS, WEIGHED, Mixture, beforehand, mixture
-from jawenv.recordings.untold.blocks import N_OF_DRIFT, N_OF_WRENCH, Blocks, blocks_of
+from jawenv.recordings.untold.blocks import LATE_S, N_OF_DRIFT, N_OF_WRENCH, Blocks, blocks_of
 from jawenv.recordings.untold.law import tensions
 from jawenv.recordings.untold.shown import Shown, shown
 from jawenv.recordings.untold.temperature import excess, joint_of
@@ -33,6 +34,7 @@ _LYING = 5.0  # sds of the head's pitch beyond which it is looked whether the he
 _PITCH_SD_DEG = 20.0  # of a head that was found to be pitched so
 _FEWEST = 10
 """Blocks of which groups can be left out."""
+_LATE = -N_OF_WRENCH - 1  # column of how late forces are
 _CONTRADICTION = "errors that nobody told cannot be weighed, the readings contradict each other"
 
 
@@ -43,6 +45,7 @@ class JointBelief(NamedTuple):
     moved: Array  # (2, k, lines, 3) m by which each of these moves origins and insertions
     bent: Array  # (1 + k, muscles, nodes) coefficients by which laws are bent, and what each unknown does to them
     basis: Any  # of the coefficients
+    late_s: tuple[float, float]  # by which forces were written later than they were, and its sd
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +60,6 @@ class Learnt:
     joint: JointBelief | None  # None where no normal describes what the readings allow
     shown: Shown  # the reasons, to be drawn
     rival: Array | None  # (p,) parameters that explain the readings as well, and that the belief excludes
-
-    @property
-    def usual(self) -> bool:
-        """Whether no error beyond a scan's was found."""
-        return all(self.sizes[name] == levels[0] for name, levels in LEVELS.items() if name != "scan")
 
 
 def learnt(record: Record, mean: Array, cov: Array) -> Learnt | None:
@@ -109,8 +107,10 @@ def _joint(blocks: Blocks, found: Mixture, temperature: float, spread: float) ->
     estimated = np.flatnonzero(np.abs(moved).max(axis=(0, 2, 3)) + np.abs(others[:c]).max(axis=0) > 0.0)
     bends = joint.values[:c] + blocks.nominal.ravel() - tensions(blocks.basis, found.best[None])[0][0]
     bent = np.vstack([bends, others[:c, estimated].T]).reshape(-1, *blocks.nominal.shape)
+    by_late = LATE_S * joint.directions[_LATE]
+    late = float(LATE_S * joint.values[_LATE]), float(np.sqrt(by_late @ cov @ by_late))
     kept, units = np.append(np.arange(p), p + estimated), np.append(blocks.prior_sd, np.ones(len(estimated)))
-    return JointBelief(units * cov[np.ix_(kept, kept)] * units[:, None], moved[:, estimated], bent, blocks.basis)
+    return JointBelief(units * cov[np.ix_(kept, kept)] * units[:, None], moved[:, estimated], bent, blocks.basis, late)
 
 
 def _with_attachments(jaw: Any, blocks: Blocks, values: Array) -> Any:
@@ -129,7 +129,7 @@ def _lying(
 
     A head that lies back is many sds off, and gravity is not linear in its pitch.
     """
-    before = found.sizes
+    before, told = found.sizes, IMAGED if record.knowledge.exact else record.knowledge  # as ``blocks_of`` has it
     for number in range(_PASSES):
         free = replace(blocks, attachments=blocks.tilt)  # the pitch alone may be far off, and all else is usual
         best = mixture(free, temperature, _PITCHED).best
@@ -137,7 +137,10 @@ def _lying(
         tilt = float(values[blocks.tilt].sum())
         if abs(tilt) < (_LYING if number == 0 else _STAYED):
             break
-        record, values[blocks.tilt] = _tilted(record, tilt), 0.0
+        jaw, values[blocks.tilt] = record.jaw.copy(), 0.0
+        pitch = tilt_of(jaw) + tilt * told.head_tilt_deg
+        jaw["gravity"] = gravity_in_head(float(np.linalg.norm(jaw["gravity"])), pitch)
+        record = replace(record, jaw=jaw)
         blocks = blocks_of(record, best, values)
     if number == 0:
         return None
@@ -147,15 +150,6 @@ def _lying(
     weighs = weighed(blocks)
     simpler, usual = beforehand(np.array([weighs[0].sizes, before]), WEIGHED)
     return (record, blocks, weighs) if simpler > usual else None
-
-
-def _tilted(record: Record, sds: float) -> Record:
-    """The record of a head that is pitched down by so many sds more."""
-    jaw = record.jaw.copy()
-    sd = IMAGED.head_tilt_deg if record.knowledge.exact else record.knowledge.head_tilt_deg  # as ``blocks_of`` has it
-    tilt = tilt_of(jaw) + sds * sd
-    jaw["gravity"] = gravity_in_head(float(np.linalg.norm(jaw["gravity"])), tilt)
-    return replace(record, jaw=jaw)
 
 
 def weighed(blocks: Blocks) -> tuple[Mixture, float, float]:
@@ -181,7 +175,7 @@ def identified_with_errors(record: Record) -> tuple[Identification, Learnt | Non
     if last is None:
         return found, None
     if last.jaw is not record.jaw or not found.believable:  # gate and alarm judge by jaw and muscles that were learnt
-        own = replace(record, jaw=last.jaw, prior=replace(record.prior, mean=last.mean))
+        own = replace(record, jaw=last.jaw, prior=Prior(last.mean, np.sqrt(np.diagonal(last.cov))))
         found = replace(identified(own), estimate=found.estimate)
     mean[-1], cov[-1] = last.mean, last.cov
     estimate = replace(found.estimate, mean=mean, cov=cov)
