@@ -15,11 +15,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 ROOMS = ("jawenv", "agents", "training", "eval", "research")
 LARGEST = {
-    "lines that README's commands load": 34_737,
+    "lines that README's commands load": 34_738,
     "lines of everything else": 13_355,
     "lines that a step loads": 12_463,
     "lines that eval compare loads": 21_040,
-    "lines": 47_975,
+    "lines": 47_976,
     "files": 439,
     "functions": 2_764,
 }

@@ -69,7 +69,7 @@ def test_forces_that_are_late_are_said_to_be(tmp_path):
     lab_file(record, TRACKER_HZ, CELL_HZ, tmp_path / "lab.csv", late_s=0.02)
     found = jawenv.identify(tmp_path / "lab.csv")
     late, sd = found.mapping()["learnt"]["forces_late_s"]
-    assert found.believed and abs(late - 0.02) < 0.01 and sd < 0.01
+    assert found.believed and 0.01 < late < 0.04 and sd < 0.01
     assert f"forces are late by {1e3 * late:.0f} ms" in str(found)
     assert "late by" not in str(answer(record, tmp_path)[0])
 
