@@ -192,7 +192,9 @@ def recordings_of(
         patient = jawenv.Patient.from_log_parameters(theta, head_tilt_deg=tilt)
         with suppress(jawenv.InputError):  # a head so pitched may let the jaw hang open
             found += _played(movement, [patient], arguments.seed + number, kwargs)
-    return tuple(found[: arguments.patients])
+        if len(found) == arguments.patients:
+            break
+    return tuple(found)
 
 
 def _played(movement: str, people: Any, seed: int, kwargs: dict[str, Any]) -> tuple[Record, ...]:
