@@ -25,11 +25,8 @@ from jawenv.recordings.record import Record
 from jawenv.recordings.several.together import MOST, Agreement, agreement, combined, together
 from jawenv.recordings.size import by_its_motion, size_in
 from jawenv.recordings.table import RecordTable, checked_path, read_table
-from jawenv.recordings.untold.learnt import Learnt, identified_with_errors
+from jawenv.recordings.untold.learnt import INCONSISTENT, Learnt, identified_with_errors
 from jawenv.recordings.words import WORDS
-
-INCONSISTENT = 1.5
-"""Temperature from which parts of a recording disagree so much that other axes are tried."""
 
 if TYPE_CHECKING:
     from jawenv.answers.stretcher import StretcherAnswer
@@ -100,8 +97,7 @@ def identify(
     found, learnt = [one for one, _ in each], each[0][1]
     if len(found) == 1:
         answer = Answer((paths[0],), (records[0],), (found[0],), found[0], learnt, None)
-        wider = _widened(answer) if cohort is None and answer.beyond_the_prior else answer
-        return wider if wider.believed else answer
+        return _widened(answer) if cohort is None and answer.beyond_the_prior else answer
     agree, whole = _together(records, found)
     return Answer(tuple(paths), tuple(records), tuple(found), whole, None, agree)
 

@@ -35,7 +35,7 @@ class Identification:
     left_out: int  # numbers out of range, or repeated
     misfit: float  # the filter's alarm; it rings above 1
     findings: tuple[Finding, ...]  # what the recording shows before the filter
-    rival: str = ""  # what explains the readings as well and is not believed, in words
+    rival: str = ""  # what explains the readings as well and is not believed, or why this is not known, in words
     temperature: float = 1.0  # what the information was divided by until parts of the recording agreed
 
     @property
@@ -54,7 +54,7 @@ class Identification:
             parts = f"parts of the recording disagree by {self.temperature:.3g} times what chance makes"
             doubts.append(f"{parts}; allowed: {HOTTEST:g}")
         if self.rival:
-            doubts.append(f"{self.rival}; allowed: one explanation")
+            doubts.append(self.rival)
         for what, share, most in (
             ("rows refused by the filter's gate", self.refused / max(self.rows, 1), MOST_REFUSED),
             ("numbers left out", self.left_out / max(self.numbers, 1), MOST_LEFT_OUT),

@@ -9,7 +9,7 @@ import pytest
 import jawenv
 from eval.patient.recordings import write_page
 from jawenv.anatomy.knowledge import IMAGED
-from jawenv.answers import identify, tension
+from jawenv.answers import tension
 from jawenv.answers.tension import tensions_of
 from jawenv.filter.model.basis import N_NODES, build_basis
 from jawenv.metrics.diagnosis import STIFF_F_O_N
@@ -93,13 +93,12 @@ def test_a_law_that_is_bent_leaves_verdicts_to_forces(tmp_path):
     assert "No verdict" in write_page(bent, tmp_path / "page.html").read_text(encoding="utf-8")
 
 
-def test_a_wider_prior_that_is_not_believed_does_not_replace_an_answer_that_is(tmp_path, monkeypatch):
-    record = recordings_of(ASKED, "refined", cohort="trismus")[0]
+def test_a_recording_of_nobody_knows_whom_that_is_too_short_to_weigh_errors_is_not_believed(tmp_path):
+    short = argparse.Namespace(**vars(ASKED) | {"seconds": 3.0})
+    record = recordings_of(short, "refined", cohort="trismus", reality=NO_SCAN)[0]
     found, _ = answer(record, tmp_path)
-    doubted = replace(found, whole=replace(found.whole, misfit=2.0))
-    monkeypatch.setattr(type(found), "beyond_the_prior", True)
-    monkeypatch.setattr(identify, "_widened", lambda _: doubted)
-    assert not doubted.believed and answer(record, tmp_path)[0].believed
+    assert not found.believed and "allowed: 5 s or more" in found.doubts[0]
+    assert answer(record, tmp_path, knowledge="imaged")[0].believed
 
 
 def test_forces_at_the_incisors_do_the_work_that_the_muscles_store():

@@ -18,7 +18,7 @@ from jawenv.recordings.estimate import Array
 from jawenv.recordings.identification import Identification, identified
 from jawenv.recordings.record import Record
 from jawenv.recordings.untold.bank import LAWS, LEVELS, WEIGHED, Mixture, beforehand, mixture
-from jawenv.recordings.untold.blocks import LATE_S, N_OF_DRIFT, N_OF_WRENCH, Blocks, blocks_of
+from jawenv.recordings.untold.blocks import BLOCK_S, LATE_S, N_OF_DRIFT, N_OF_WRENCH, Blocks, blocks_of
 from jawenv.recordings.untold.law import tensions
 from jawenv.recordings.untold.shown import Shown, shown
 from jawenv.recordings.untold.temperature import excess, joint_of
@@ -35,7 +35,12 @@ _PITCH_SD_DEG = 20.0  # of a head that was found to be pitched so
 _FEWEST = 10
 """Blocks of which groups can be left out."""
 _LATE = -N_OF_WRENCH - 1  # column of how late forces are
-_CONTRADICTION = "errors that nobody told cannot be weighed, the readings contradict each other"
+_CONTRADICTION = (
+    "errors that nobody told cannot be weighed, the readings contradict each other; allowed: one explanation"
+)
+_SHORT = f"errors that nobody told cannot be weighed; allowed: {_FEWEST * BLOCK_S:g} s or more, or --knowledge imaged"
+INCONSISTENT = 1.5
+"""Temperature from which parts of a recording disagree so much that the first word of gate and alarm stands."""
 
 
 class JointBelief(NamedTuple):
@@ -173,10 +178,11 @@ def identified_with_errors(record: Record) -> tuple[Identification, Learnt | Non
     except np.linalg.LinAlgError:  # of readings that no jaw makes
         return replace(found, rival=_CONTRADICTION), None
     if last is None:
-        return found, None
-    if last.jaw is not record.jaw or not found.believable:  # gate and alarm judge by jaw and muscles that were learnt
-        own = replace(record, jaw=last.jaw, prior=Prior(last.mean, np.sqrt(np.diagonal(last.cov))))
-        found = replace(identified(own), estimate=found.estimate)
+        return (replace(found, rival=_SHORT) if record.knowledge.wrench_N else found), None
+    agree = last.temperature < INCONSISTENT
+    if last.jaw is not record.jaw or (agree and not found.believable):  # gate and alarm judge by what was learnt
+        prior = Prior(last.mean, np.sqrt(np.diagonal(last.cov))) if agree else record.prior
+        found = replace(identified(replace(record, jaw=last.jaw, prior=prior)), estimate=found.estimate)
     mean[-1], cov[-1] = last.mean, last.cov
     estimate = replace(found.estimate, mean=mean, cov=cov)
     return replace(found, estimate=estimate, rival=_in_words(record, last), temperature=last.temperature), last
@@ -188,7 +194,8 @@ def _in_words(record: Record, last: Learnt) -> str:
         return ""
     first = int(np.abs(last.rival - last.mean).argmax())
     one, other = np.exp(last.mean[first]), np.exp(last.rival[first])
-    return f"{record.parameter_names[first].removeprefix('log_')}: {one:.3g} explains the readings, {other:.3g} as well"
+    name = record.parameter_names[first].removeprefix("log_")
+    return f"{name}: {one:.3g} explains the readings, {other:.3g} as well; allowed: one explanation"
 
 
 def learnt_beliefs(records: Sequence[Record] | None, means: Array, covs: Array) -> tuple[Array, Array]:
