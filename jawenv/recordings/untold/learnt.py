@@ -24,23 +24,20 @@ from jawenv.recordings.untold.shown import Shown, shown
 from jawenv.recordings.untold.temperature import excess, joint_of
 
 _ROUNDS, _ENOUGH = 4, 1.02
-_BENT = 3.0
-"""Largest ``Mixture.bend`` of a normal that becomes the belief."""
+_BENT = 3.0  # largest ``Mixture.bend`` of a normal that becomes the belief
 _MOVED = 0.1  # of a natural logarithm, from where the motion is linearised anew
 _PASSES, _STAYED = 6, 0.5  # until what is far off stays where it is, in sds of a scan
 _PITCHED = np.tile([1.0, 0.0, 0.0, 0.0, 10.0, 0.0], (len(LAWS), 1))
 """Sizes of a head of whose pitch nothing is known, and of no other error."""
 _LYING = 5.0  # sds of the head's pitch beyond which it is looked whether the head is pitched so
 _PITCH_SD_DEG = 20.0  # of a head that was found to be pitched so
-_FEWEST = 10
-"""Blocks of which groups can be left out."""
+_FEWEST = 10  # blocks of which groups can be left out
 _LATE = -N_OF_WRENCH - 1  # column of how late forces are
 _CONTRADICTION = (
     "errors that nobody told cannot be weighed, the readings contradict each other; allowed: one explanation"
 )
 _SHORT = f"errors that nobody told cannot be weighed; allowed: {_FEWEST * BLOCK_S:g} s or more, or --knowledge imaged"
-INCONSISTENT = 1.5
-"""Temperature from which parts of a recording disagree so much that the first word of gate and alarm stands."""
+INCONSISTENT = 1.5  # temperature from which parts disagree so much that the first word of gate and alarm stands
 
 
 class JointBelief(NamedTuple):
