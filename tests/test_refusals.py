@@ -26,7 +26,6 @@ from jawenv.metrics import diagnose, nees, time_to
 from jawenv.playing.policies.following import TargetsLaw, decision_hz
 from jawenv.playing.rollout import play
 from jawenv.playing.singles import SingleWorlds
-from jawenv.recordings.record_filter import TensionFilter
 from jawenv.references.extended_kalman import ExtendedKalman
 from jawenv.rendering.renderer import Renderer
 from training.run.config import Residual, TrainingConfig
@@ -107,7 +106,7 @@ LOOP = [
     ("size 64 480", lambda: Renderer("rgb_array", 20, (64, 64))),
 ]
 LABORATORY = [
-    ("every 0 more", lambda: TensionFilter(every=0)),
+    ("every 0 more", lambda: jawenv.OnlineFilter(every=0)),
     ("scale square allowed", lambda: ExtendedKalman("square")),
     ("parameter_rate -1.0 allowed", lambda: ExtendedKalman(parameter_rate=-1.0)),
     ("parameter_time 0.0 allowed", lambda: ExtendedKalman(parameter_time=0.0)),

@@ -80,7 +80,9 @@ def test_panels_say_what_is_known_and_used(shown):
     assert "do not fit the model" in panels.status_html(replace(shown, misfit=1.5))
     assert "0 of 6 verdicts stand" in status
     assert "4 of 6 verdicts stand" in panels.status_html(replace(shown, stands=np.arange(6) < 4))
-    score = panels.score_html([shown.outcome], [Tension(10.0, 3.0, 0.1, 0.2, 0.01)], ["runs/live/my_drive_1.yaml"])
+    score = panels.score_html(
+        [shown.outcome], [Tension(10.0, 3.0, 0.1, 0.2, 0.01, 0.5, "")], ["runs/live/my_drive_1.yaml"]
+    )
     assert "saved: runs/live/my_drive_1.yaml" in score and "–" in score and "opened by 10 mm 3.00 ± 0.10 N" in score
 
 
