@@ -156,17 +156,13 @@ def _judged(records: Sequence[Record], **lab: float) -> tuple[str, ...]:
 
 
 def _figures(found: list[_Judged]) -> tuple[str, ...]:
-    nees = np.array([one.nees for one in found if one.believed])
-    share, findings = f"{len(nees)} of {len(found)}", sum(one.findings for one in found if one.believed)
-    if not len(nees):
+    believed = [one for one in found if one.believed]
+    share = f"{len(believed)} of {len(found)}"
+    if not believed:
         return share, "–", "–", "–"
-    right = sum(one.right for one in found if one.believed)
-    return (
-        share,
-        _spread(nees),
-        f"{np.median([one.worst for one in found if one.believed]):.0f}",
-        f"{right} of {findings}",
-    )
+    right, findings = sum(one.right for one in believed), sum(one.findings for one in believed)
+    nees, worst = np.array([one.nees for one in believed]), np.median([one.worst for one in believed])
+    return share, _spread(nees), f"{worst:.0f}", f"{right} of {findings}"
 
 
 def _spread(nees: Array) -> str:

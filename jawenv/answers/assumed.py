@@ -18,7 +18,7 @@ from jawenv.recordings.untold.learnt import Learnt
 WIDER = 2.0
 """Times the sds of a cohort whose edge the estimates lie beyond."""
 _LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
-_KNOWN = {"exact": "known exactly", "imaged": "as from a scan", "bench": "as from a scan"}
+_KNOWN = {"exact": "known exactly", "imaged": "as from a scan", "bench": "the table's"}
 
 
 def _alike(one: Prior, other: Prior) -> bool:

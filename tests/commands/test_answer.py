@@ -34,7 +34,7 @@ def test_a_file_without_a_label_is_of_anyone_with_a_scans_anatomy(cohort, tmp_pa
     path, answer = without_labels(played(cohort), tmp_path / "bench.csv"), tmp_path / "answer.json"
     assert main(["identify", str(path), "--json", str(answer)]) == 0
     said = capsys.readouterr().out
-    assert "patient: anyone (F_o 0.38–18 N) · anatomy: as from a scan · head upright" in said
+    assert "patient: anyone (F_o 0.38–18 N) · anatomy: the table's · head upright" in said
     found = json.loads(answer.read_text(encoding="utf-8"))
     assert found["believed"] is True and found["doubts"] == []
     assert found["assumed"]["cohort"] == "anyone" and found["assumed"]["head_tilt_deg"] == 0.0

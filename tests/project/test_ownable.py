@@ -19,7 +19,7 @@ LARGEST = {
     "lines of everything else": 13_355,
     "lines that a step loads": 12_463,
     "lines that eval compare loads": 21_040,
-    "lines": 47_978,
+    "lines": 47_974,
     "files": 439,
     "functions": 2_764,
 }

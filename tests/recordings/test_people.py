@@ -14,6 +14,7 @@ from jawenv.answers.tension import tensions_of
 from jawenv.filter.model.basis import N_NODES, build_basis
 from jawenv.metrics.diagnosis import STIFF_F_O_N
 from jawenv.recordings.size import size_of, sized
+from jawenv.recordings.untold.blocks import N_OF_WRENCH, blocks_of
 from jawenv.recordings.untold.learnt import JointBelief
 from research.anyone import CELL_HZ, NO_SCAN, TRACKER_HZ, lab_file, recordings_of
 
@@ -72,6 +73,15 @@ def test_forces_that_are_late_are_said_to_be(tmp_path):
     assert found.believed and 0.01 < late < 0.04 and sd < 0.01
     assert f"forces are late by {1e3 * late:.0f} ms" in str(found)
     assert "late by" not in str(answer(record, tmp_path)[0])
+
+
+def test_a_gap_in_the_forces_is_no_rate_of_theirs():
+    record = recordings_of(ASKED, "slow_opening", cohort="anyone")[0]
+    samples = record.samples.copy()
+    samples[700:730] = np.nan
+    whole, gap = (blocks_of(one, record.truth) for one in (record, replace(record, samples=samples)))
+    told = [np.diagonal(one.information, axis1=1, axis2=2)[:, -N_OF_WRENCH - 1].max() for one in (whole, gap)]
+    assert told[1] < 1.5 * told[0]
 
 
 @pytest.mark.parametrize("unread", [slice(3, 6), slice(0, 3)])

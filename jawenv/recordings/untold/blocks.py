@@ -127,9 +127,9 @@ def _blocks_at(record: Record, settings: Any, mean: Array, unknowns: Array) -> B
     information = np.triu(kept[0]) + np.swapaxes(np.triu(kept[0], 1), 1, 2)
     information = np.diff(information[:, order][:, :, order], axis=0, prepend=0.0)
     score = np.diff(kept[1][:, order], axis=0, prepend=0.0) + information @ steps[order]
-    forces = np.nan_to_num(record.samples[: count * every, 0, [*WRENCH_UNITS]]).reshape(count, every, _N_CONSTANT)
-    rates = np.gradient(forces.mean(axis=1), every * record.dt, axis=0) if count > 1 else np.zeros((count, _N_CONSTANT))
-    late = LATE_S * rates / [*WRENCH_UNITS.values()]
+    read = np.ma.masked_invalid(record.samples[: count * every, 0, [*WRENCH_UNITS]]).reshape(count, every, _N_CONSTANT)
+    forces = read.mean(axis=1).filled(np.nan) / [*WRENCH_UNITS.values()]  # of what was read: a gap is no rate
+    late = LATE_S * np.nan_to_num(np.gradient(forces, every * record.dt, axis=0)) if count > 1 else 0.0 * forces
     information, score = _drifting(information, score, late)
     by_end = np.zeros((2, len(steps) - c, lines_of_jaw, 3))
     for moved, name in zip(by_end, ("origin", "insertion"), strict=True):
